@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PERIHOM_HOMOGENISE_H
+#define PERIHOM_HOMOGENISE_H
+
+#include <perihom/family.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum ph_stabilisation {
+    PH_STABILISE_AUTO,
+    PH_STABILISE_SPECTRAL, /* (S): uniform coefficient, diagonal in Fourier space */
+    PH_STABILISE_SUBPOINT, /* (P): a share of the energy at sub-points of each cell */
+    PH_STABILISE_NONE
+} ph_stabilisation;
+
+typedef enum ph_interface { PH_INTERFACE_COMPOSITE, PH_INTERFACE_NODE_CENTRE } ph_interface;
+
+/** What a bond does, and where. Zeroed: all defaults. */
+typedef struct ph_model_params {
+    const char *kind;       /* in ph_models[]: "nosb" (NULL), "local" */
+    ph_points points;       /* of nosb */
+    double horizon;         /* 0: default (2 spacings for nodes, smallest for stress points) */
+    bool horizon_is_length; /* else in spacings of the first axis */
+    const char *influence;  /* in ph_influences[]; NULL: "constant" */
+    const char *weights;    /* in ph_volume_weights[]; NULL: "linear" */
+    ph_stabilisation stabilisation;
+    double stabilisation_value; /* alpha or theta; 0: default */
+} ph_model_params;
+
+/** How the equations are solved. Zeroed: all defaults. */
+typedef struct ph_solver_params {
+    const char *kind;   /* in ph_solvers[]; NULL or "auto" */
+    double tolerance;   /* relative residual; 0: 1e-6 */
+    int max_iterations; /* 0: 2000 */
+} ph_solver_params;
+
+/** Collar material of linear_displacement. */
+typedef enum ph_collar { PH_COLLAR_PERIODIC, PH_COLLAR_MATRIX } ph_collar;
+
+typedef struct ph_constraint_params {
+    const char *kind; /* in ph_constraints[]; NULL: "periodic" */
+    ph_collar collar;
+    int collar_material; /* for PH_COLLAR_MATRIX */
+} ph_constraint_params;
+
+/** A problem: what to homogenise and how. Borrows everything it points to. */
+typedef struct ph_problem {
+    const ph_microstructure *micro;
+    ph_interface interface;
+    ph_model_params model;
+    ph_constraint_params constraint;
+    ph_solver_params solver;
+    unsigned loads;   /* bit a: solve macro strain a; 0: all */
+    bool keep_fields; /* keep displacement, strain, stress of each load */
+} ph_problem;
+
+/** The fields of one load case on the RVE, component first: [component][cell].
+ *  Displacement is the total one, eps_bar x + fluctuation, at the cell centres (nodes) or at
+ *  the lower corners of the cells (stress points, local). Strain and stress: Voigt order,
+ *  engineering shear. */
+typedef struct ph_fields {
+    int load;
+    int nu, ns;           /* components of displacement, strain */
+    double *displacement; /* [nu][cells] */
+    double *strain;       /* [ns][cells] */
+    double *stress;       /* [ns][cells] */
+} ph_fields;
+
+#define PH_MAX_NOTES 16
+
+/** What came out, what it cost and what it is worth. Owns its arrays. */
+typedef struct ph_result {
+    ph_grid grid;
+    ph_sym4 stiffness; /* effective, Mandel; rows of unsolved loads are zero */
+    unsigned loads;    /* which columns were solved */
+    ph_sym4 voigt, reuss;
+    bool reuss_is_zero; /* a void phase: the lower bound is zero */
+    int nmaterials;
+    char (*names)[64];
+    double *fractions;
+
+    const char *model, *constraint, *solver; /* catalogue names */
+    ph_points points;
+    double horizon; /* length */
+    ph_stabilisation stabilisation;
+    double stabilisation_value;
+    ph_interface interface;
+    const char *route; /* "cells", "stencil", "convolution", "assembled", "analytic" */
+
+    int nloads;
+    int iterations[6];
+    double residual[6];
+    bool converged;
+    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>| */
+    double stabilisation_energy; /* worst load: share of the total energy */
+    long applications;           /* of the operator */
+    long ffts;                   /* scalar real transforms */
+
+    double seconds, seconds_solve;
+    size_t peak_bytes; /* of the solver's own arrays */
+    int threads;
+
+    int nnotes;
+    char notes[PH_MAX_NOTES][256]; /* choices of `auto`, warnings */
+
+    int nfields;
+    ph_fields *fields; /* [nfields], where keep_fields */
+} ph_result;
+
+/** Effective stiffness of a microstructure.
+ *
+ *  @return PH_OK; PH_ENOCONV (then `out` still holds the report and the best iterate, and
+ *          err the iteration and residual); PH_EINVAL; PH_ESINGULAR; PH_ENOMEM;
+ *          PH_ECANCELLED. Cost: iterations x loads x O(n log n). */
+PH_API ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx,
+                               ph_result **out, ph_error *err);
+PH_API void ph_result_free(ph_result **result);
+
+/** What a problem would take, without solving it. */
+typedef struct ph_estimate {
+    ptrdiff_t nodes, unknowns;
+    size_t bytes;
+    double seconds; /* rough: from operation counts */
+    char notes[PH_MAX_NOTES][256];
+    int nnotes;
+} ph_estimate;
+PH_API ph_status ph_homogenise_estimate(const ph_problem *problem, ph_estimate *out,
+                                        ph_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
