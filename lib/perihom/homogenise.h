@@ -93,7 +93,10 @@ typedef struct ph_result {
     int iterations[6];
     double residual[6];
     bool converged;
-    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>| */
+    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>|, the energy of
+                                  * the stabilisation counted with <s:e> */
+    double strain_average;       /* worst load: |<e> - eps_bar| / |eps_bar| */
+    double asymmetry;            /* |C - C^T| / |C| before C was made symmetric */
     double stabilisation_energy; /* worst load: share of the total energy */
     long applications;           /* of the operator */
     long ffts;                   /* scalar real transforms */
