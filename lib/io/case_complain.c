@@ -14,7 +14,8 @@ void ph_case_issues_free(ph_case_issues *issues)
     *issues = (ph_case_issues){0};
 }
 
-void ph_case_issue_text(const ph_case_issue *issue, const char *name, char *text, size_t size)
+void ph_case_issue_text(const ph_case_issue *issue, const char *name, char *text,
+                        size_t size)
 {
     const char *kind = issue->warning ? "warning: " : "";
     if (issue->line > 0)
@@ -72,8 +73,10 @@ static void node_path(const ph_i_reader *r, const ph_i_node *node, char *out, si
 static void add(ph_i_reader *r, int line, ph_status status, const char *message)
 {
     ph_case_issues *list = r->issues;
-    if (status == PH_EUNPHYSICAL) r->unphysical++;
-    else if (status != PH_OK) r->invalid++;
+    if (status == PH_EUNPHYSICAL)
+        r->unphysical++;
+    else if (status != PH_OK)
+        r->invalid++;
     if (list->count > MAX_ISSUES) return;
     if (list->count == list->capacity) {
         size_t capacity = list->capacity ? 2 * list->capacity : 8;
@@ -88,14 +91,15 @@ static void add(ph_i_reader *r, int line, ph_status status, const char *message)
     ph_case_issue *issue = &list->item[list->count++];
     issue->line = line;
     issue->warning = status == PH_OK;
-    snprintf(issue->message, sizeof issue->message, "%s",
-             list->count > MAX_ISSUES ? "more complaints than these are not shown" : message);
+    snprintf(
+        issue->message, sizeof issue->message, "%.*s", (int)sizeof issue->message - 1,
+        list->count > MAX_ISSUES ? "more complaints than these are not shown" : message);
     make_printable(issue->message);
 }
 
 /* "path.key: text", "--set " before it where the value came with an override. */
-static void complain(ph_i_reader *r, const ph_i_node *at, const char *key, ph_status status,
-                     const char *text)
+static void complain(ph_i_reader *r, const ph_i_node *at, const char *key,
+                     ph_status status, const char *text)
 {
     char path[240] = "", message[1024];
     node_path(r, at, path, sizeof path - 50);
@@ -127,8 +131,8 @@ void ph_i_complain_line(ph_i_reader *r, int line, const char *fmt, ...)
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
     if (r->set) shorten(r->set, set, sizeof set);
-    snprintf(message, sizeof message, "%s%s%s%s", r->set ? "--set " : "", r->set ? set : "",
-             r->set ? ": " : "", text);
+    snprintf(message, sizeof message, "%s%s%s%s", r->set ? "--set " : "",
+             r->set ? set : "", r->set ? ": " : "", text);
     add(r, line, PH_EINVAL, message);
 }
 
@@ -144,13 +148,15 @@ static void describe(const ph_i_node *node, char *out, size_t size)
     } else if (ph_i_is_null(node)) {
         snprintf(out, size, "nothing");
     } else {
-        const char *quote = node->plain && ph_i_text_to_number(node->text, &ignored) ? "" : "'";
+        const char *quote =
+            node->plain && ph_i_text_to_number(node->text, &ignored) ? "" : "'";
         shorten(node->text, part, sizeof part);
         snprintf(out, size, "%s%s%s", quote, part, quote);
     }
 }
 
-void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const char *fmt, ...)
+void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const char *fmt,
+                 ...)
 {
     char rule[500], value[SHOWN + 16], text[600];
     va_list ap;
@@ -162,7 +168,8 @@ void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const ch
     complain(r, at, NULL, status, text);
 }
 
-void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const char *fmt, ...)
+void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const char *fmt,
+                  ...)
 {
     char rule[500], text[600];
     va_list ap;

@@ -35,11 +35,12 @@ typedef struct ph_i_reader {
     const char *file; /* name in messages */
     ph_case_issues *issues;
     size_t invalid, unphysical; /* complaints by status, warnings in neither */
-    const char *set; /* key path of the --set being read, else NULL */
+    const char *set;            /* key path of the --set being read, else NULL */
     bool out_of_memory;
     ph_case *c;
     ph_i_names materials; /* names in the case's order; count 0: section unusable */
-    int dimension;        /* 2, 3, or 0 where the case does not say */
+    const char **material_names; /* owned: the array of `materials` */
+    int dimension;               /* 2, 3, or 0 where the case does not say */
 } ph_i_reader;
 
 /* ---- case_yaml.c */
@@ -47,8 +48,8 @@ typedef struct ph_i_reader {
 /** Parse one YAML document. `*root` stays NULL where the text is no usable document; the
  *  reason is then a complaint. With r->set it is the value of an override.
  *  @return PH_OK (complaints or not); PH_ENOMEM */
-ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length, ph_i_node **root,
-                          ph_error *err);
+ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length,
+                          ph_i_node **root, ph_error *err);
 void ph_i_tree_free(ph_i_node **node);
 /** A new node at the end of a list or map; owned by it. @param[in] key NULL in a list */
 ph_status ph_i_tree_append(ph_i_node *parent, const char *key, ph_i_node *child,
@@ -67,8 +68,8 @@ void ph_i_complain(ph_i_reader *r, const ph_i_node *at, ph_status status, const 
 /** The same at a line that has no node. */
 void ph_i_complain_line(ph_i_reader *r, int line, const char *fmt, ...) PH_PRINTF(3, 4);
 /** "path: VALUE is not admissible: rule". */
-void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const char *fmt, ...)
-    PH_PRINTF(4, 5);
+void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const char *fmt,
+                 ...) PH_PRINTF(4, 5);
 /** "path.key: missing: rule". */
 void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const char *fmt,
                   ...) PH_PRINTF(4, 5);
@@ -88,7 +89,8 @@ bool ph_i_is_null(const ph_i_node *node);
 bool ph_i_is_word(const ph_i_node *node, const char *word);
 bool ph_i_read_map(ph_i_reader *r, const ph_i_node *node, const char *rule);
 /** A list of `count` entries (any number if `count` is 0). */
-bool ph_i_read_list(ph_i_reader *r, const ph_i_node *node, size_t count, const char *rule);
+bool ph_i_read_list(ph_i_reader *r, const ph_i_node *node, size_t count,
+                    const char *rule);
 /** Finite number inside the open interval (lo, hi). */
 bool ph_i_read_number(ph_i_reader *r, const ph_i_node *node, double lo, double hi,
                       const char *rule, double *out);
@@ -100,6 +102,9 @@ bool ph_i_read_integer(ph_i_reader *r, const ph_i_node *node, int64_t lo, int64_
 /** List of `count` finite numbers, each > 0 where `positive`. */
 bool ph_i_read_numbers(ph_i_reader *r, const ph_i_node *node, size_t count, bool positive,
                        const char *rule, double *out);
+/** A direction: 3 numbers, not all zero. */
+bool ph_i_read_direction(ph_i_reader *r, const ph_i_node *node, const char *rule,
+                         double out[3]);
 bool ph_i_read_flag(ph_i_reader *r, const ph_i_node *node, bool *out);
 /** Printable text of less than `size` bytes. */
 bool ph_i_read_text(ph_i_reader *r, const ph_i_node *node, size_t size, char *out);
@@ -136,6 +141,9 @@ void ph_i_read_constraint(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_solver(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_output(ph_i_reader *r, const ph_i_node *node);
 
-#define PH_I_NAMES(array) {(array), sizeof(array) / sizeof((array)[0])}
+#define PH_I_NAMES(array)                                                                \
+    {                                                                                    \
+        (array), sizeof(array) / sizeof((array)[0])                                      \
+    }
 
 #endif

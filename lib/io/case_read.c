@@ -53,7 +53,8 @@ void ph_i_join_names(ph_i_names names, const char *last, char *out, size_t size)
     }
 }
 
-void ph_i_check_keys(ph_i_reader *r, const ph_i_node *map, ph_i_names known, const char *what)
+void ph_i_check_keys(ph_i_reader *r, const ph_i_node *map, ph_i_names known,
+                     const char *what)
 {
     for (size_t i = 0; i < map->count; i++) {
         const ph_i_node *node = map->child[i];
@@ -128,7 +129,8 @@ bool ph_i_read_number(ph_i_reader *r, const ph_i_node *node, double lo, double h
                       const char *rule, double *out)
 {
     double x = 0;
-    if (node->kind != PH_I_SCALAR || !node->plain || !ph_i_text_to_number(node->text, &x)) {
+    if (node->kind != PH_I_SCALAR || !node->plain ||
+        !ph_i_text_to_number(node->text, &x)) {
         ph_i_reject(r, node, PH_EINVAL, "%s", rule);
         return false;
     }
@@ -140,7 +142,8 @@ bool ph_i_read_number(ph_i_reader *r, const ph_i_node *node, double lo, double h
     return true;
 }
 
-bool ph_i_read_positive(ph_i_reader *r, const ph_i_node *node, const char *rule, double *out)
+bool ph_i_read_positive(ph_i_reader *r, const ph_i_node *node, const char *rule,
+                        double *out)
 {
     double x;
     if (!ph_i_read_number(r, node, 0, INFINITY, rule, &x)) return false;
@@ -172,10 +175,23 @@ bool ph_i_read_numbers(ph_i_reader *r, const ph_i_node *node, size_t count, bool
     if (!ph_i_read_list(r, node, count, rule)) return false;
     bool good = true;
     for (size_t i = 0; i < count; i++)
-        good &= positive
-                    ? ph_i_read_positive(r, node->child[i], rule, &out[i])
-                    : ph_i_read_number(r, node->child[i], -LARGEST, LARGEST, rule, &out[i]);
+        good &= positive ? ph_i_read_positive(r, node->child[i], rule, &out[i])
+                         : ph_i_read_number(r, node->child[i], -LARGEST, LARGEST, rule,
+                                            &out[i]);
     return good;
+}
+
+bool ph_i_read_direction(ph_i_reader *r, const ph_i_node *node, const char *rule,
+                         double out[3])
+{
+    double v[3];
+    if (!ph_i_read_numbers(r, node, 3, false, rule, v)) return false;
+    if (fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2]))) < SMALLEST) {
+        ph_i_reject(r, node, PH_EUNPHYSICAL, "%s", rule);
+        return false;
+    }
+    memcpy(out, v, sizeof v);
+    return true;
 }
 
 bool ph_i_read_flag(ph_i_reader *r, const ph_i_node *node, bool *out)
@@ -198,8 +214,10 @@ static bool is_printable(const char *text)
         if (*p < 32 || *p == 127) return false;
         if (p[0] == 0xC2 && p[1] < 0xA0) return false; /* U+0080 to U+009F */
         if (p[0] == 0xE2 && p[1] == 0x80 && (p[2] == 0xA8 || p[2] == 0xA9)) return false;
-        if (p[0] == 0xEF && p[1] == 0xBF && p[2] >= 0xBE) return false; /* U+FFFE, U+FFFF */
-        if (p[0] == 0xEF && p[1] == 0xBB && p[2] == 0xBF) return false; /* byte order mark */
+        if (p[0] == 0xEF && p[1] == 0xBF && p[2] >= 0xBE)
+            return false; /* U+FFFE, U+FFFF */
+        if (p[0] == 0xEF && p[1] == 0xBB && p[2] == 0xBF)
+            return false; /* byte order mark */
     }
     return true;
 }
@@ -231,8 +249,8 @@ int ph_i_read_name(ph_i_reader *r, const ph_i_node *node, ph_i_names names)
     if (node->kind == PH_I_SCALAR)
         near = ph_nearest_name(node->text, names.name, names.count);
     ph_i_join_names(names, " or ", list, sizeof list);
-    ph_i_reject(r, node, PH_EINVAL, "must be %s%s%s%s", list, near ? "; did you mean '" : "",
-                near ? near : "", near ? "'?" : "");
+    ph_i_reject(r, node, PH_EINVAL, "must be %s%s%s%s", list,
+                near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     return -1;
 }
 

@@ -81,16 +81,16 @@ static ph_status build_scalar(builder *b, const yaml_node_t *from, ph_i_node *no
     const char *value = (const char *)from->data.scalar.value;
     size_t length = from->data.scalar.length;
     node->plain = from->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
-    PH_ALLOC(node->text, length + 1, "a case file");
-    memcpy(node->text, value, length);
+    node->text = strndup(value, length);
+    PH_CHECK(node->text != NULL, PH_ENOMEM, "no memory for a case file");
     if (strlen(node->text) != length)
         ph_i_complain(b->r, node, PH_EINVAL, "a text must not contain the character NUL");
 out:
     return st;
 }
 
-static ph_status build_list(builder *b, const yaml_node_t *from, int depth, ph_i_node *node,
-                            ph_error *err)
+static ph_status build_list(builder *b, const yaml_node_t *from, int depth,
+                            ph_i_node *node, ph_error *err)
 {
     ph_status st = PH_OK;
     const yaml_node_item_t *item = from->data.sequence.items.start;
@@ -119,8 +119,8 @@ static ph_status check_duplicates(builder *b, const ph_i_node *map, ph_error *er
         if (strcmp(sorted[first]->key, sorted[i]->key) != 0)
             first = i;
         else if (sorted[first]->line > 0)
-            ph_i_complain(b->r, sorted[i], PH_EINVAL,
-                          "this key is already on line %d", sorted[first]->line);
+            ph_i_complain(b->r, sorted[i], PH_EINVAL, "this key is already on line %d",
+                          sorted[first]->line);
         else
             ph_i_complain(b->r, sorted[i], PH_EINVAL, "this key is there twice");
     }
@@ -129,8 +129,8 @@ out:
     return st;
 }
 
-static ph_status build_map(builder *b, const yaml_node_t *from, int depth, ph_i_node *node,
-                           ph_error *err)
+static ph_status build_map(builder *b, const yaml_node_t *from, int depth,
+                           ph_i_node *node, ph_error *err)
 {
     ph_status st = PH_OK;
     const yaml_node_pair_t *pair = from->data.mapping.pairs.start;
@@ -170,7 +170,8 @@ static ph_status build(builder *b, int id, int depth, ph_i_node *parent, const c
         node = NULL; /* the parent's now */
     }
     if (!has_plain_tag(from))
-        ph_i_complain(b->r, here, PH_EINVAL, "tags (!word) have no meaning in a case file");
+        ph_i_complain(b->r, here, PH_EINVAL,
+                      "tags (!word) have no meaning in a case file");
     if (from->type == YAML_SCALAR_NODE) {
         here->kind = PH_I_SCALAR;
         PH_TRY(build_scalar(b, from, here, err));
@@ -194,7 +195,8 @@ static int line_of_offset(const char *text, size_t length, size_t offset)
 {
     int line = 1;
     for (size_t i = 0; i < offset && i < length; i++)
-        line += text[i] == '\n' || (text[i] == '\r' && i + 1 < length && text[i + 1] != '\n');
+        line +=
+            text[i] == '\n' || (text[i] == '\r' && i + 1 < length && text[i + 1] != '\n');
     return line;
 }
 
@@ -235,8 +237,8 @@ static void check_alone(ph_i_reader *r, yaml_parser_t *parser, const char *text,
     yaml_document_delete(&next);
 }
 
-ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length, ph_i_node **root,
-                          ph_error *err)
+ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length,
+                          ph_i_node **root, ph_error *err)
 {
     ph_status st = PH_OK;
     yaml_parser_t parser;
