@@ -30,7 +30,7 @@ static int check_failures;
 #define CHECK_ABS(got, want, tol) check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
 /* |got - want| <= tol |want| */
 #define CHECK_REL(got, want, tol)                                                        \
-    check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol)*fabs(want))
+    check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol)*fabs((double)(want)))
 /* the call succeeds; prints the message of `err` if not */
 #define CHECK_OK(call)                                                                   \
     do {                                                                                 \
