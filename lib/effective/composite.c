@@ -161,6 +161,7 @@ const char *ph_i_matrix_refusal(const ph_composite *composite)
 {
     const char *shape = ph_i_shape_refusal(composite);
     if (shape) return shape;
+    if (composite->n < 1) return "there are no phases";
     if (composite->material[0].is_void) return "the matrix is a void";
     return NULL;
 }

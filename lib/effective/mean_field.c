@@ -71,13 +71,15 @@ const char *ph_i_self_consistent_refuses(const ph_composite *composite)
 ph_status ph_i_self_consistent(const ph_composite *composite, ph_sym4 *out, ph_error *err)
 {
     ph_status st = PH_OK;
-    const double tolerance = 1e-13;
-    double change = 1.0;
+    const double tolerance = 1e-13,
+                 enough = 1e-10; /* the latter where round-off stalls it */
+    double change = 1.0, best = 1.0;
+    int stalled = 0;
     ph_sym4 c, next, d;
     PH_TRY(ph_i_composite_check(composite, ph_i_self_consistent_refuses(composite), err));
     PH_TRY(ph_i_voigt(composite, &c, err));
     const double start = ph_sym4_norm(&c);
-    for (int k = 0; k < 5000 && change > tolerance; k++) {
+    for (int k = 0; k < 5000 && change > tolerance && stalled < 10; k++) {
         double lowest;
         ph_sym4_eigenvalues(&c, &lowest, NULL);
         PH_CHECK(lowest > 1e-9 * start, PH_ESINGULAR,
@@ -85,9 +87,11 @@ ph_status ph_i_self_consistent(const ph_composite *composite, ph_sym4 *out, ph_e
         PH_TRY(ph_i_mix(composite, &c, &next, err));
         d = ph_sym4_combine(1.0, &next, -1.0, &c);
         change = ph_sym4_norm(&d) / ph_sym4_norm(&next);
+        if (change > 0.999 * best && change < enough) stalled++;
+        best = fmin(best, change);
         c = next;
     }
-    PH_CHECK(change <= 1e-10, PH_ENOCONV,
+    PH_CHECK(change <= enough, PH_ENOCONV,
              "self-consistent iteration stopped at a change of %.1g: a phase is about to "
              "percolate",
              change);
@@ -135,7 +139,7 @@ static ph_status integrate(const ph_composite *inclusions, double to, ph_sym4 *c
                            ph_error *err)
 {
     ph_status st = PH_OK;
-    const double tolerance = 1e-11; /* relative, of a step */
+    const double tolerance = 1e-10; /* relative, of a step */
     double tau = 0.0, h = fmin(to, 0.05);
     ph_sym4 coarse, fine, d;
     for (int steps = 0; tau < to; steps++) {
