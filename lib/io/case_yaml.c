@@ -5,13 +5,14 @@
 
 #include <string.h>
 
-enum { MAX_DEPTH = 24, MAX_NODES = 2000000 };
+/* Every value takes a byte of the file; beyond that aliases may add so many. */
+enum { MAX_DEPTH = 24, MAX_ALIASED = 100000 };
 
 typedef struct builder {
     ph_i_reader *r;
     yaml_document_t *doc;
     bool stop; /* too deep or too many: one complaint is enough */
-    size_t nodes;
+    size_t nodes, most;
 } builder;
 
 void ph_i_tree_free(ph_i_node **node)
@@ -158,8 +159,8 @@ static ph_status build(builder *b, int id, int depth, ph_i_node *parent, const c
     const yaml_node_t *from = yaml_document_get_node(b->doc, id);
     if (depth > MAX_DEPTH)
         stop_at(b, from, "nested too deeply, or an alias that holds itself");
-    else if (++b->nodes > MAX_NODES)
-        stop_at(b, from, "more than 2000000 values: too long for a case file");
+    else if (++b->nodes > b->most)
+        stop_at(b, from, "the aliases make more than 100000 values of this");
     if (b->stop) goto out;
     PH_ALLOC(node, 1, "a case file");
     node->from_set = b->r->set != NULL;
@@ -272,7 +273,7 @@ ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length,
         goto done;
     }
     if (yaml_document_get_root_node(&doc)) {
-        builder b = {.r = r, .doc = &doc};
+        builder b = {.r = r, .doc = &doc, .most = length + MAX_ALIASED};
         int id = (int)(yaml_document_get_root_node(&doc) - doc.nodes.start) + 1;
         st = build(&b, id, 0, NULL, NULL, 0, root, err);
         if (st != PH_OK || b.stop || !check_alone(r, &parser, text, length))

@@ -436,17 +436,19 @@ static void check_same_case(const ph_case *a, const ph_case *b)
     CHECK(memcmp(a->voxels.materials, b->voxels.materials, sizeof a->voxels.materials) ==
           0);
     CHECK(a->interface == b->interface && a->fields == b->fields);
-    CHECK(a->model.kind == b->model.kind && a->model.points == b->model.points);
+    CHECK_TEXT(a->model.kind, b->model.kind);
+    CHECK(a->model.points == b->model.points);
     CHECK(a->model.horizon == b->model.horizon);
     CHECK(a->model.horizon_is_length == b->model.horizon_is_length);
-    CHECK(a->model.influence == b->model.influence &&
-          a->model.weights == b->model.weights);
+    CHECK_TEXT(a->model.influence, b->model.influence);
+    CHECK_TEXT(a->model.weights, b->model.weights);
     CHECK(a->model.stabilisation == b->model.stabilisation);
     CHECK(a->model.stabilisation_value == b->model.stabilisation_value);
-    CHECK(a->constraint.kind == b->constraint.kind);
+    CHECK_TEXT(a->constraint.kind, b->constraint.kind);
     CHECK(a->constraint.collar == b->constraint.collar);
     CHECK(a->constraint.collar_material == b->constraint.collar_material);
-    CHECK(a->solver.kind == b->solver.kind && a->solver.tolerance == b->solver.tolerance);
+    CHECK_TEXT(a->solver.kind, b->solver.kind);
+    CHECK(a->solver.tolerance == b->solver.tolerance);
     CHECK(a->solver.max_iterations == b->solver.max_iterations);
 }
 
