@@ -25,9 +25,10 @@ PH_API ph_status ph_grid_init(ph_grid *grid, ph_kinematics kin, const ptrdiff_t 
 /** Number of cells. */
 PH_API ptrdiff_t ph_grid_cells(const ph_grid *grid);
 
-/** An interface that cuts a cell: `fraction` of the cell is `material`, on the far side of
- *  the plane with unit normal `normal`; the rest is what the cell held before. Several cuts
- *  of one cell stand in painting order. */
+/** An interface that cuts a cell: `fraction` of the cell is `material`, whose surface in the
+ *  cell has the mean outward unit normal `normal`; the rest is what the cell held before.
+ *  Several cuts of one cell stand in painting order, each scaling all that is below it:
+ *  with fractions f_1 .. f_n, cut k is left with the share f_k (1-f_k+1) ... (1-f_n). */
 typedef struct ph_cut {
     ptrdiff_t cell;
     int base;          /* material under the first cut of this cell; later cuts: -1 */
@@ -52,7 +53,7 @@ PH_API ph_status ph_microstructure_new(const ph_grid *grid, int nmaterials,
                                        ph_microstructure **out, ph_error *err);
 PH_API void ph_microstructure_free(ph_microstructure **micro);
 /** Volume fraction of each material, cuts counted with their fractions.
- *  @param[out] fraction [nmaterials], adds up to 1. */
+ *  @param[out] fraction [nmaterials], adds up to 1; NaN if memory is exhausted. */
 PH_API void ph_microstructure_fractions(const ph_microstructure *micro, double *fraction);
 /** Range, sorting and fractions of phases and cuts. @return PH_OK; PH_EINVAL. */
 PH_API ph_status ph_microstructure_check(const ph_microstructure *micro, ph_error *err);
