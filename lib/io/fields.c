@@ -93,10 +93,9 @@ static ph_status write_displacement(writer *w, hid_t group, const ph_fields *f,
                                     const double *eps, bool at_nodes, ph_error *err)
 {
     hsize_t shape[4];
-    int rank = ph_i_array_shape(w->grid, at_nodes, shape);
-    size_t count = 3;
-    for (int a = 0; a < rank; a++) count *= shape[a];
-    shape[rank] = 3; /* always three, so that ParaView can warp 2D meshes too */
+    ph_i_array_shape(w->grid, at_nodes, shape);
+    shape[3] = 3; /* always three, so that ParaView can warp 2D meshes too */
+    size_t count = (size_t)(shape[0] * shape[1] * shape[2] * shape[3]);
     memset(w->buffer, 0, count * sizeof(double));
     for (int c = 0; c < f->nu; c++) {
         double slope[3];
@@ -105,7 +104,7 @@ static ph_status write_displacement(writer *w, hid_t group, const ph_fields *f,
                                f->displacement + c * ph_grid_cells(w->grid), c, slope,
                                w->buffer);
     }
-    return put_array(w, group, "displacement", H5T_NATIVE_DOUBLE, rank + 1, shape,
+    return put_array(w, group, "displacement", H5T_NATIVE_DOUBLE, 4, shape,
                      PH_I_CHUNKED, w->buffer, err);
 }
 
@@ -116,12 +115,12 @@ static ph_status write_components(writer *w, hid_t load, const char *name, int n
     ph_status st = PH_OK;
     const char *path = w->path;
     hsize_t shape[3];
-    int rank = ph_i_array_shape(w->grid, 0, shape);
+    ph_i_array_shape(w->grid, 0, shape);
     hid_t group = -1;
     PH_HDF5(group = H5Gcreate2(load, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "write");
     for (int a = 0; a < ns; a++) {
         transpose_cells(w->grid, value + a * ph_grid_cells(w->grid), w->buffer);
-        PH_TRY(put_array(w, group, ph_i_voigt_name(ns, a), H5T_NATIVE_DOUBLE, rank, shape,
+        PH_TRY(put_array(w, group, ph_i_voigt_name(ns, a), H5T_NATIVE_DOUBLE, 3, shape,
                          PH_I_CHUNKED, w->buffer, err));
     }
 out:
@@ -176,12 +175,12 @@ static ph_status write_phase(writer *w, const ph_microstructure *micro, ph_error
     const uint16_t *from = micro->phase;
     uint16_t *to = w->buffer;
     hsize_t shape[3];
-    int rank = ph_i_array_shape(g, 0, shape);
+    ph_i_array_shape(g, 0, shape);
     for (ptrdiff_t i = 0; i < g->n[0]; i++)
         for (ptrdiff_t j = 0; j < g->n[1]; j++)
             for (ptrdiff_t k = 0; k < g->n[2]; k++)
                 to[(k * g->n[1] + j) * g->n[0] + i] = *from++;
-    return put_array(w, w->file, "phase", H5T_NATIVE_UINT16, rank, shape, PH_I_DEFLATED, to,
+    return put_array(w, w->file, "phase", H5T_NATIVE_UINT16, 3, shape, PH_I_DEFLATED, to,
                      err);
 }
 
@@ -255,7 +254,7 @@ static ph_status write_head(writer *w, const ph_case *c, ph_error *err)
                  {"perihom", ph_version()},
                  {"git", ph_git_revision()},
                  {"kinematics", ph_i_kinematics_names[g->kinematics]},
-                 {"axes", g->kinematics == PH_SPACE ? "z y x" : "y x"}};
+                 {"axes", "z y x"}};
     ph_status st = PH_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         PH_TRY(ph_i_hdf5_put_text(w->file, texts[i].name, texts[i].text, w->path, err));

@@ -147,10 +147,8 @@ static void closed_mesh(ph_kinematics kin, const char *constraint)
     double got[3 * 6 * 4 * 5];
     r->constraint = constraint;
     CHECK_OK(ph_write_fields(in_folder("f"), micro, r, NULL, &err));
-    if (space)
-        read_raw("/loads/22/displacement", 4, (const hsize_t[]){5, 4, 6, 3}, got);
-    else
-        read_raw("/loads/22/displacement", 3, (const hsize_t[]){4, 6, 3}, got);
+    const hsize_t shape[4] = {space ? 5 : 1, 4, 6, 3};
+    read_raw("/loads/22/displacement", 4, shape, got);
     for (int k = 0, q = 0; k < (space ? 5 : 1); k++)
         for (int j = 0; j < 4; j++)
             for (int i = 0; i < 6; i++)
