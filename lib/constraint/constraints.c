@@ -76,21 +76,17 @@ out:
     return st;
 }
 
-/* u = eps x on a collar of two horizons (points at nodes) or on the boundary nodes (points
- * that see only their own cell). Averages over the RVE and every point around it that a
- * free node moves, where they are exact. */
-static ph_status linear_displacement(const ph_problem *p, const ph_family *family,
-                                     ph_setting *s, ph_error *err)
+/* Layers of points that a free node moves, on each side: the reach of the family. */
+static int reach_of(const ph_problem *p, const ph_family *family, int d)
+{
+    return p->micro->grid.n[d] == 1 ? 0 : family ? family->reach[d] : 1;
+}
+
+/* Hold the nodes outside [low, high) of the RVE, axis by axis. */
+static ph_status hold_nodes(const ph_problem *p, const ptrdiff_t low[3],
+                            const ptrdiff_t high[3], ph_setting *s, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_grid *rve = &p->micro->grid;
-    bool nodes = family && family->points == PH_POINTS_NODES;
-    int layers[3], margin[3];
-    for (int d = 0; d < 3; d++) {
-        margin[d] = rve->n[d] == 1 ? 0 : family ? family->reach[d] : 1;
-        layers[d] = rve->n[d] == 1 ? 0 : nodes ? margin[d] : margin[d] - 1;
-    }
-    PH_TRY(embed(p, layers, margin, true, s, err));
     ptrdiff_t cells = ph_grid_cells(&s->box), x = 0;
     PH_ALLOC(s->fixed, cells, "the fixed nodes");
     for (ptrdiff_t i = 0; i < s->box.n[0]; i++)
@@ -98,11 +94,49 @@ static ph_status linear_displacement(const ph_problem *p, const ph_family *famil
             for (ptrdiff_t k = 0; k < s->box.n[2]; k++, x++) {
                 ptrdiff_t at[3] = {i, j, k};
                 for (int d = 0; d < 3; d++) {
-                    if (rve->n[d] == 1) continue;
-                    ptrdiff_t r = at[d] - s->first[d], low = nodes ? 0 : 1;
-                    if (r < low || r >= rve->n[d]) s->fixed[x] = 1;
+                    ptrdiff_t r = at[d] - s->first[d];
+                    if (p->micro->grid.n[d] > 1 && (r < low[d] || r >= high[d]))
+                        s->fixed[x] = 1;
                 }
             }
+out:
+    return st;
+}
+
+/* u = eps x on a boundary volume of two horizons.
+ *
+ * Inside: a node is free if every point that it moves lies in the RVE. Averages over the
+ * RVE are exact, its composition is that of the RVE, and the fields are periodic ones that
+ * happen to vanish near the faces, so that periodic <= linear_displacement holds exactly.
+ *
+ * Outside: every node of the RVE is free, and averages are exact over the RVE and the layer
+ * of points around it that its nodes move, with the material that stands there. */
+static ph_status linear_displacement(const ph_problem *p, const ph_family *family,
+                                     ph_setting *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_grid *rve = &p->micro->grid;
+    bool nodes = family && family->points == PH_POINTS_NODES;
+    bool inside = p->constraint.collar == PH_COLLAR_INSIDE;
+    int layers[3], margin[3];
+    ptrdiff_t low[3], high[3];
+    for (int d = 0; d < 3; d++) {
+        margin[d] = reach_of(p, family, d);
+        layers[d] = nodes || margin[d] == 0 ? margin[d] : margin[d] - 1;
+        low[d] = inside ? margin[d] : nodes ? 0 : 1;
+        high[d] = inside && nodes ? rve->n[d] - margin[d]
+                  : inside        ? rve->n[d] - margin[d] + 1
+                                  : rve->n[d];
+        PH_CHECK(rve->n[d] == 1 || low[d] < high[d], PH_EINVAL,
+                 "linear_displacement leaves no free node along axis %d: %td nodes and a "
+                 "boundary volume of %d on each side",
+                 d + 1, rve->n[d], margin[d]);
+    }
+    if (inside)
+        PH_TRY(periodic(p, family, s, err));
+    else
+        PH_TRY(embed(p, layers, margin, true, s, err));
+    PH_TRY(hold_nodes(p, low, high, s, err));
 out:
     return st;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <perihom/catalogue.h>
 #include <perihom/estimates.h>
+#include <perihom/family.h>
 
 #include <limits.h>
 #include <string.h>
@@ -8,6 +9,10 @@
 /* The lengths of the arrays live in other files, so the table is completed before main and
  * only read afterwards. */
 static ph_catalogue catalogues[] = {
+    {"influences", "influence functions of the bond length", ph_influences, 0,
+     sizeof(ph_influence)},
+    {"volume_weights", "share of a cell in the family ball", ph_volume_weights, 0,
+     sizeof(ph_volume_weight)},
     {"estimates", "analytic bounds and estimates", ph_estimate_methods, 0,
      sizeof(ph_estimate_method)},
     {NULL, NULL, NULL, 0, 0},
@@ -15,7 +20,9 @@ static ph_catalogue catalogues[] = {
 
 __attribute__((constructor)) static void count_entries(void)
 {
-    catalogues[0].count = ph_nestimate_methods;
+    catalogues[0].count = ph_ninfluences;
+    catalogues[1].count = ph_nvolume_weights;
+    catalogues[2].count = ph_nestimate_methods;
 }
 
 const ph_catalogue *ph_catalogues(void)

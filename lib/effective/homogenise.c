@@ -36,17 +36,14 @@ typedef struct run {
     ph_system system;
     const ph_solver_method *solver;
     void *state;
-    double *load, *u;
+    double *load, *u; /* the operator's work fields, see solver.h */
     ph_sym4 columns; /* C or, by_stress, the compliance */
     ph_result *result;
 } run;
 
 static void run_clear(run *r)
 {
-    size_t n = r->op ? (size_t)(r->op->layout.nd * r->op->layout.cells) : 0;
     if (r->solver && r->state) r->solver->free(&r->state);
-    ph_i_doubles_free(&r->meter, &r->load, n);
-    ph_i_doubles_free(&r->meter, &r->u, n);
     ph_i_operator_free(&r->op);
     ph_family_free(&r->family);
     ph_i_stiffness_map_free(&r->meter, &r->map);
@@ -201,7 +198,7 @@ static ph_status build(run *r, ph_error *err)
     ph_status st = PH_OK;
     char why[256];
     /* Held or missing nodes need the hourglass term where the material is. */
-    r->params.hourglass_in_space = r->setting.source != NULL;
+    r->params.hourglass_in_space = r->setting.source || r->setting.fixed;
     r->params.threads = r->threads;
     PH_TRY(ph_i_operator_new(&r->setting.box, r->map, &r->params, &r->meter, &r->op, err));
     r->system = (ph_system){.op = r->op,
@@ -215,9 +212,8 @@ static ph_status build(run *r, ph_error *err)
              no);
     if (why[0]) ph_i_note(r->result, "%s", why);
     PH_TRY(r->solver->init(&r->system, &r->state, err));
-    size_t n = (size_t)(r->op->layout.nd * r->op->layout.cells);
-    PH_DOUBLES(r->load, &r->meter, n, "the load");
-    PH_DOUBLES(r->u, &r->meter, n, "the displacement");
+    r->load = r->op->f;
+    r->u = r->op->u;
     r->result->solver = r->solver->info.name;
     r->result->route = ph_i_route_name(r->op->route);
 out:
@@ -292,6 +288,16 @@ out:
     return st;
 }
 
+/* A macro stress is prescribed, but for components that no displacement of this grid can
+ * produce (33 of generalised plane strain): there it is the strain. */
+static bool load_by_stress(const run *r, int load)
+{
+    static const int axes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    int a = r->map->ns == 6 ? load : load == 2 ? 5 : load;
+    const ptrdiff_t *n = r->problem->micro->grid.n;
+    return r->constraint->by_stress && (n[axes[a][0]] > 1 || n[axes[a][1]] > 1);
+}
+
 /* Averages of a solved load: its column, and what the energies say. */
 static void take_column(run *r, int load, const double *macro, const double *unit)
 {
@@ -304,10 +310,11 @@ static void take_column(run *r, int load, const double *macro, const double *uni
         stress[i] /= n;
         strain[i] /= n;
         work += stress[i] * strain[i];
-        double wrong = (r->constraint->by_stress ? stress[i] : strain[i]) - unit[i];
+        bool by_stress = load_by_stress(r, i);
+        double wrong = (by_stress ? stress[i] : strain[i]) - unit[i];
         off += wrong * wrong;
         size += unit[i] * unit[i];
-        r->columns.m[i][load] = r->constraint->by_stress ? strain[i] : stress[i];
+        r->columns.m[i][load] = by_stress ? strain[i] : stress[i];
     }
     double total = (e.mean + e.modes + e.stabilisation) / n;
     double theta = r->params.stabilisation == PH_STABILISE_SUBPOINT ? r->params.value : 0.0;
@@ -328,7 +335,7 @@ static ph_status solve_load(run *r, int load, int number, int loads, ph_error *e
     const ph_solver_params *sp = &r->problem->solver;
     double unit[6] = {0};
     unit[load] = 1.0;
-    const double *macro = r->constraint->by_stress ? NULL : unit;
+    const double *macro = load_by_stress(r, load) ? NULL : unit;
     ph_cg_report report = {
         .tolerance = sp->tolerance > 0.0 ? sp->tolerance : default_tolerance,
         .max_iterations = sp->max_iterations > 0 ? sp->max_iterations : DEFAULT_ITERATIONS,
@@ -371,12 +378,42 @@ out:
     return st;
 }
 
+/* Columns of mixed loads -> stiffness. With X the components loaded by stress and M the
+ * others, e_X = A s_X + B e_M and s_M = D s_X + F e_M. */
+static ph_status from_mixed(const run *r, ph_sym4 *c, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int ns = r->map->ns, x[6], nx = 0;
+    ph_sym4 A = {.n = ns}, mixed = *c;
+    for (int i = 0; i < ns; i++)
+        if (load_by_stress(r, i)) x[nx++] = i;
+    for (int i = 0; i < ns; i++) A.m[i][i] = 1.0;
+    for (int p = 0; p < nx; p++)
+        for (int q = 0; q < nx; q++) A.m[x[p]][x[q]] = mixed.m[x[p]][x[q]];
+    PH_TRY(ph_sym4_inverse(&A, &A, err));
+    for (int i = 0; i < ns; i++)
+        for (int j = 0; j < ns; j++) {
+            bool xi = load_by_stress(r, i), xj = load_by_stress(r, j);
+            double v = !xi && !xj ? mixed.m[i][j] : 0.0;
+            for (int p = 0; p < nx; p++)
+                for (int q = 0; q < nx; q++) {
+                    double left = xi ? (double)(x[p] == i) : mixed.m[i][x[p]];
+                    double right = xj ? (double)(x[q] == j) : -mixed.m[x[q]][j];
+                    v += left * A.m[x[p]][x[q]] * right;
+                }
+            c->m[i][j] = v;
+        }
+out:
+    return st;
+}
+
 static ph_status finish(run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
     int ns = r->map->ns;
     ph_sym4 c = r->columns;
+    if (r->constraint->by_stress) PH_TRY(from_mixed(r, &c, err));
     if (res->loads == all_loads(res)) {
         double off = 0.0;
         for (int i = 0; i < ns; i++)
@@ -386,7 +423,6 @@ static ph_status finish(run *r, ph_error *err)
                 c.m[i][j] = c.m[j][i] = 0.5 * (c.m[i][j] + c.m[j][i]);
             }
         res->asymmetry = sqrt(off) / ph_sym4_norm(&c);
-        if (r->constraint->by_stress) PH_TRY(ph_sym4_inverse(&c, &c, err));
     }
     res->stiffness = c;
 out:

@@ -46,7 +46,8 @@ static void read_nodes(ph_i_reader *r, const ph_i_node *map, bool voxels)
     int64_t total = 1;
     for (size_t a = 0; a < (size_t)r->dimension; a++) {
         int64_t n = 0;
-        if (!ph_i_read_integer(r, node->child[a], 1, MAX_NODES_PER_AXIS, rule, &n))
+        if (!ph_i_read_integer(r, node->child[a], 1, MAX_NODES_PER_AXIS,
+                               "must be an integer from 1 to 65536", &n))
             return;
         r->c->nodes[a] = (ptrdiff_t)n;
         total *= n; /* below 2^48 */
@@ -74,9 +75,11 @@ static void read_voxel_materials(ph_i_reader *r, const ph_i_node *node)
         ph_i_reject(r, node, PH_EINVAL, "%s", rule);
         return;
     }
+    size_t nulls = 0;
     for (size_t i = 0; i < node->count; i++) {
         const ph_i_node *child = node->child[i];
         double value = (double)i;
+        nulls += ph_i_is_null(child);
         if (ph_i_is_null(child)) continue;
         if (child->key && (!ph_i_text_to_number(child->key, &value) || !(value >= 0) ||
                            value >= MAX_VOXEL_VALUES || value != (int)value)) {
@@ -86,6 +89,8 @@ static void read_voxel_materials(ph_i_reader *r, const ph_i_node *node)
         }
         read_voxel_value(r, child, (int)value);
     }
+    if (nulls == node->count)
+        ph_i_complain(r, node, PH_EINVAL, "no value has a material");
 }
 
 static const char *ending_of(const char *file)

@@ -36,8 +36,12 @@ typedef struct ph_solver_params {
     int max_iterations; /* 0: 2000 */
 } ph_solver_params;
 
-/** Collar material of linear_displacement. */
-typedef enum ph_collar { PH_COLLAR_PERIODIC, PH_COLLAR_MATRIX } ph_collar;
+/** Where linear_displacement has its boundary volume, two horizons thick. */
+typedef enum ph_collar {
+    PH_COLLAR_INSIDE,   /* one horizon of it inside the RVE, whose averages are then exact */
+    PH_COLLAR_PERIODIC, /* all outside, filled by the periodic continuation */
+    PH_COLLAR_MATRIX    /* all outside, filled by collar_material */
+} ph_collar;
 
 typedef struct ph_constraint_params {
     const char *kind; /* in ph_constraints[]; NULL: "periodic" */
