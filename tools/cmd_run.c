@@ -102,7 +102,7 @@ static ph_status write_files(const run *r, ph_error *err)
     PH_TRY(ph_write_phases_png(path, r->micro, 3, r->c->title, err));
     if (r->c->fields) {
         destination_file(&to, "fields", path, sizeof path);
-        PH_TRY(ph_write_fields(path, r->micro, r->result, err));
+        PH_TRY(ph_write_fields(path, r->micro, r->result, r->c, err));
     }
     destination_file(&to, "result.json", path, sizeof path);
     PH_TRY(ph_write_file(path, r->json, strlen(r->json), err));
@@ -117,7 +117,7 @@ out:
 static ph_status print_result(run *r, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_TRY(ph_result_to_json(r->result, r->c, &r->json, err));
+    PH_TRY(ph_result_to_json(r->result, r->c, NULL, &r->json, err));
     if (r->options->json)
         printf("%s\n", r->json);
     else

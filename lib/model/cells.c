@@ -450,13 +450,37 @@ void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro, d
     }
 }
 
+void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *region,
+                     double *f)
+{
+    const ph_layout *l = &c->layout;
+    row r = row_lines(c, 0);
+    ptrdiff_t plane = l->n[1] * l->n[2];
+    double *high = c->high, v[3];
+    memset(f, 0, sizeof(double) * (size_t)(l->nd * l->cells));
+    for (ptrdiff_t i = 0; i < l->n[0]; i++) {
+        memset(high, 0, sizeof(double) * (size_t)(l->nd * plane));
+        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
+            const uint8_t *here = region + i * plane + j * l->n[2];
+            for (int d = 0; d < l->nd; d++) {
+                take_column(l->nd, sigma, d, c->f[d], v);
+                for (int a = 0; a < l->nd; a++)
+                    for (ptrdiff_t k = 0; k < l->n[2]; k++)
+                        r.t[a][d][k] = here[k] ? v[a] : 0.0;
+            }
+            scatter(c, &r, j, false, f + i * plane, l->cells, high);
+        }
+        add_plane(l, high, i + 1 < l->n[0] ? i + 1 : 0, f);
+    }
+}
+
 /* ---- averages and fields: not in the loop of a solver --------------------------------- */
 
 static void strain_of(const ph_cells *c, const weights *w, const row *r, ptrdiff_t k,
                       double *e)
 {
     int nd = c->layout.nd, ns = c->layout.ns;
-    double v[3];
+    double v[3] = {0};
     for (int i = 0; i < ns; i++) e[i] = w->macro[i];
     for (int d = 0; d < nd; d++) {
         for (int a = 0; a < nd; a++) v[a] = r->g[a][d][k];

@@ -41,8 +41,9 @@ static ph_route choose_route(const ph_layout *l, const ph_operator_params *p)
                : PH_ROUTE_CONVOLUTION;
 }
 
-/* Energy share theta at the simplices of a node: one-sided differences, one stencil for
- * each of the 2^d corners of its cell. */
+/* Energy share theta at the simplices of a cell, one stencil for each of its 2^d corners.
+ * Node families: the node and its neighbours on one side along every axis. Stress points:
+ * the corner and the other ends of its edges. */
 static ph_status new_simplices(ph_operator *op, const ph_grid *box, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -62,6 +63,10 @@ static ph_status new_simplices(ph_operator *op, const ph_grid *box, ph_error *er
             g[n++][d] = s;
             g[0][d] -= s;
         }
+        if (op->family->points == PH_POINTS_STRESS) /* from the opposite corner inwards */
+            for (ptrdiff_t b = 0; b < n; b++)
+                for (int d = 0; d < 3; d++)
+                    if (box->n[d] > 1 && !((corner >> d) & 1)) offset[b][d]++;
         if (skip) continue;
         PH_TRY(ph_i_stencil_new(&op->layout, n, (const int(*)[3])offset,
                                 (const double(*)[3])g, op->threads, &op->sub[op->nsub],
@@ -177,12 +182,8 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     op->route = choose_route(&op->layout, p);
     PH_TRY(new_family_part(op, p, err));
-    if (p->stabilisation == PH_STABILISE_SUBPOINT && op->route != PH_ROUTE_CELLS) {
-        PH_CHECK(p->family->points == PH_POINTS_NODES, PH_EINVAL,
-                 "sub-point stabilisation of stress points needs their smallest family; "
-                 "leave the horizon out, or choose the spectral stabilisation");
+    if (p->stabilisation == PH_STABILISE_SUBPOINT && op->route != PH_ROUTE_CELLS)
         PH_TRY(new_simplices(op, box, err));
-    }
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
         !(op->has_cells && p->hourglass_in_space))
         PH_TRY(new_spectral(op, p->value, err));

@@ -62,6 +62,7 @@ typedef struct ph_problem {
  *  engineering shear. */
 typedef struct ph_fields {
     int load;
+    double macro_strain[6]; /* eps_bar of the load, Voigt order, engineering shear */
     int nu, ns;           /* components of displacement, strain */
     double *displacement; /* [nu][cells] */
     double *strain;       /* [ns][cells] */
@@ -73,7 +74,7 @@ typedef struct ph_fields {
 /** What came out, what it cost and what it is worth. Owns its arrays. */
 typedef struct ph_result {
     ph_grid grid;
-    ph_sym4 stiffness; /* effective, Mandel; rows of unsolved loads are zero */
+    ph_sym4 stiffness; /* effective, Mandel; column a is load a, zero where not solved */
     unsigned loads;    /* which columns were solved */
     ph_sym4 voigt, reuss;
     bool reuss_is_zero; /* a void phase: the lower bound is zero */
@@ -93,7 +94,10 @@ typedef struct ph_result {
     int iterations[6];
     double residual[6];
     bool converged;
-    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>| */
+    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>|, the energy of
+                                  * the stabilisation counted with <s:e> */
+    double strain_average;       /* worst load: |<e> - eps_bar| / |eps_bar| */
+    double asymmetry;            /* |C - C^T| / |C| before C was made symmetric */
     double stabilisation_energy; /* worst load: share of the total energy */
     long applications;           /* of the operator */
     long ffts;                   /* scalar real transforms */
