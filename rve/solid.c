@@ -73,7 +73,7 @@ static double round_level(const ph_solid *s, const double y[3], double grad[3])
         grad[i] = q / s->half[i];
         shortest = fmin(shortest, s->half[i]);
     }
-    return isfinite(shortest) ? (sqrt(sum) - 1) * shortest : -INFINITY;
+    return isfinite(shortest) ? (sqrt(sum) - 1) * shortest : (double)-INFINITY;
 }
 
 double ph_solid_level(const ph_solid *s, const double x[3], double normal[3])
@@ -92,7 +92,7 @@ double ph_solid_level(const ph_solid *s, const double x[3], double normal[3])
     if (!normal) return level;
     if (flat >= 0)
         for (int i = 0; i < 3; i++)
-            g[i] = i == flat ? copysign(1, y[i]) : 0;
+            g[i] = i == flat ? copysign(1, y[i]) : 0.0;
     double norm = sqrt(dot(g, g));
     if (norm == 0) { /* the very centre: any direction, say the shortest axis */
         int k = 0;
@@ -271,8 +271,10 @@ double ph_solid_overlap(const ph_solid *s, int dimensions, const double lo[3],
     double to = fmin(hi[a], s->centre[a] + s->bounds[a]);
     if (from >= to) return 0;
     if (s->prism) return (to - from) * ph_i_solid_section(s, a, s->centre[a], lo, hi);
-    box b = {s, lo, hi, 1e-7 * (hi[u] - lo[u]) * (hi[v] - lo[v])};
-    return sections(&b, from, to, 12);
+    box b = {s, lo, hi, 1e-8 * (hi[u] - lo[u]) * (hi[v] - lo[v])};
+    /* Two halves at least: a section that opens between the nodes can deceive one rule. */
+    double mid = (from + to) / 2;
+    return sections(&b, from, mid, 12) + sections(&b, mid, to, 12);
 }
 
 /* Area of the solid on the face of the box at `at`; 2D: length on the edge. */

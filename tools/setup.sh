@@ -62,11 +62,13 @@ setup: the packages are not at hand and the archive is not reachable; connect th
 setup: install them from a mirror, and start again"
 }
 
-# A build folder of another compiler or of a failed setup is not worth repairing.
 build_all() {
     if [ ! -f "$build/build.ninja" ]; then
-        meson setup "$build" "$here" --buildtype=release --wipe >&2 2>/dev/null ||
-            meson setup "$build" "$here" --buildtype=release >&2 || die "meson setup failed"
+        meson setup "$build" "$here" --buildtype=release >"$here/meson-setup.log" 2>&1 || {
+            tail -n 20 "$here/meson-setup.log" >&2
+            die "meson setup failed; all of it is in $here/meson-setup.log"
+        }
+        mv "$here/meson-setup.log" "$build/setup.log"
     fi
     ninja -C "$build" >"$build/ninja.log" 2>&1 || {
         tail -n 60 "$build/ninja.log" >&2
