@@ -64,11 +64,10 @@ setup: install them from a mirror, and start again"
 
 build_all() {
     if [ ! -f "$build/build.ninja" ]; then
-        meson setup "$build" "$here" --buildtype=release >"$here/meson-setup.log" 2>&1 || {
-            tail -n 20 "$here/meson-setup.log" >&2
-            die "meson setup failed; all of it is in $here/meson-setup.log"
+        talk=$(meson setup "$build" "$here" --buildtype=release 2>&1) || {
+            printf '%s\n' "$talk" | tail -n 20 >&2
+            die "meson setup failed; its log is $build/meson-logs/meson-log.txt"
         }
-        mv "$here/meson-setup.log" "$build/setup.log"
     fi
     ninja -C "$build" >"$build/ninja.log" 2>&1 || {
         tail -n 60 "$build/ninja.log" >&2
