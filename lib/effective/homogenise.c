@@ -36,17 +36,14 @@ typedef struct run {
     ph_system system;
     const ph_solver_method *solver;
     void *state;
-    double *load, *u;
+    double *load, *u; /* the operator's work fields, see solver.h */
     ph_sym4 columns; /* C or, by_stress, the compliance */
     ph_result *result;
 } run;
 
 static void run_clear(run *r)
 {
-    size_t n = r->op ? (size_t)(r->op->layout.nd * r->op->layout.cells) : 0;
     if (r->solver && r->state) r->solver->free(&r->state);
-    ph_i_doubles_free(&r->meter, &r->load, n);
-    ph_i_doubles_free(&r->meter, &r->u, n);
     ph_i_operator_free(&r->op);
     ph_family_free(&r->family);
     ph_i_stiffness_map_free(&r->meter, &r->map);
@@ -215,9 +212,8 @@ static ph_status build(run *r, ph_error *err)
              no);
     if (why[0]) ph_i_note(r->result, "%s", why);
     PH_TRY(r->solver->init(&r->system, &r->state, err));
-    size_t n = (size_t)(r->op->layout.nd * r->op->layout.cells);
-    PH_DOUBLES(r->load, &r->meter, n, "the load");
-    PH_DOUBLES(r->u, &r->meter, n, "the displacement");
+    r->load = r->op->f;
+    r->u = r->op->u;
     r->result->solver = r->solver->info.name;
     r->result->route = ph_i_route_name(r->op->route);
 out:

@@ -34,7 +34,7 @@ void ph_i_note(ph_result *result, const char *fmt, ...)
 /* Above this contrast the families of nodes need too many iterations. Measured: see the
  * page on stabilisation in the manual. */
 static const double high_contrast = 300.0;
-static const double default_alpha = 1e-4, default_theta = 0.05, default_spacings = 2.0;
+static const double default_alpha = 1e-5, default_theta = 0.05, default_spacings = 2.0;
 /* Fewer nodes than this along an axis, and a family of two spacings meets its images. */
 enum { FEW_NODES = 5 };
 

@@ -27,18 +27,19 @@ static double hourglass_coefficient(const ph_layout *l, double alpha, double sof
     return alpha * softest * dimensions(l) / (corners * corners * sum_squares_half(l));
 }
 
-/* Nanoseconds per cell and bond of the stencil, per cell and transform of the convolution:
- * measured, see docs/performance.md. Fixed numbers, so that the choice, and with it every
- * bit of the result, does not depend on the load of the machine. */
+/* Nanoseconds per cell: a bond of the stencil (strain and divergence), a transform, the
+ * products in Fourier space. Measured, see docs/performance.md. Fixed numbers, so that the
+ * choice, and with it every bit of the result, does not depend on the load of the machine. */
+static const double ns_bond = 0.39, ns_transform = 4.5, ns_product = 1.3;
+
 static ph_route choose_route(const ph_layout *l, const ph_operator_params *p)
 {
     if (!p->family || p->smallest) return PH_ROUTE_CELLS;
     if (p->route != PH_ROUTE_AUTO) return p->route;
-    const double per_bond = 0.09 * l->nd, per_transform = 5.0;
-    double transforms = 2.0 * (dimensions(l) == 3 ? 6 : l->ns == 6 ? 5 : 3) - 2.0 * l->nd;
-    return per_bond * l->nd * (double)p->family->count < per_transform * transforms
-               ? PH_ROUTE_STENCIL
-               : PH_ROUTE_CONVOLUTION;
+    int strains = dimensions(l) == 3 ? 6 : l->ns == 6 ? 5 : 3;
+    double stencil = ns_bond * l->nd * l->nd * (double)p->family->count;
+    double convolution = 2.0 * (strains - l->nd) * ns_transform + 2.0 * strains * ns_product;
+    return stencil < convolution ? PH_ROUTE_STENCIL : PH_ROUTE_CONVOLUTION;
 }
 
 /* Energy share theta at the simplices of a cell, one stencil for each of its 2^d corners.

@@ -109,29 +109,47 @@ void ph_i_green_clear(ph_green *g, ph_meter *meter)
     ph_i_doubles_free(meter, &g->inverse, (size_t)(packed_size(g->nd) * g->modes));
 }
 
-void ph_i_green_apply(const ph_green *g, const double *r, double *z)
+/* One real factor for the two parts of each complex number: two modes at a time. */
+typedef double pair4 __attribute__((vector_size(32), aligned(8), may_alias));
+
+static inline pair4 twice(const double *a) { return (pair4){a[0], a[0], a[1], a[1]}; }
+static inline pair4 load4(const double *a) { return *(const pair4 *)a; }
+static inline void store4(double *a, pair4 v) { *(pair4 *)a = v; }
+
+static void apply_one(const ph_green *g, ptrdiff_t k, const double *r, double *z)
 {
     const ptrdiff_t n = g->modes;
-    const double *a = g->inverse, *b = a + n, *c = a + 2 * n;
+    for (int part = 0; part < 2; part++) {
+        double v[3] = {0};
+        for (int i = 0; i < g->nd; i++)
+            for (int j = 0; j < g->nd; j++)
+                v[i] += g->inverse[(g->nd == 3 ? place3[i][j] : place2[i][j]) * n + k] *
+                        r[2 * (j * n + k) + part];
+        for (int i = 0; i < g->nd; i++) z[2 * (i * n + k) + part] = v[i];
+    }
+}
+
+static inline void apply_pair(const ph_green *g, ptrdiff_t k, const double *r, double *z)
+{
+    const ptrdiff_t n = g->modes, y = 2 * n, w = 4 * n;
+    const double *a = g->inverse + k; /* 00 11 22 12 02 01, or 00 11 01 */
+    pair4 r0 = load4(r + 2 * k), r1 = load4(r + 2 * k + y);
     if (g->nd == 2) {
-#pragma omp parallel for num_threads(g->threads) schedule(static)
-        for (ptrdiff_t k = 0; k < n; k++)
-            for (int s = 0; s < 2; s++) {
-                ptrdiff_t i = 2 * k + s;
-                double x = r[i], y = r[i + 2 * n];
-                z[i] = a[k] * x + c[k] * y;
-                z[i + 2 * n] = c[k] * x + b[k] * y;
-            }
+        pair4 off = twice(a + 2 * n);
+        store4(z + 2 * k, twice(a) * r0 + off * r1);
+        store4(z + 2 * k + y, off * r0 + twice(a + n) * r1);
         return;
     }
-    const double *d = a + 3 * n, *e = a + 4 * n, *f = a + 5 * n; /* 12 02 01 */
+    pair4 r2 = load4(r + 2 * k + w);
+    pair4 a12 = twice(a + 3 * n), a02 = twice(a + 4 * n), a01 = twice(a + 5 * n);
+    store4(z + 2 * k, twice(a) * r0 + a01 * r1 + a02 * r2);
+    store4(z + 2 * k + y, a01 * r0 + twice(a + n) * r1 + a12 * r2);
+    store4(z + 2 * k + w, a02 * r0 + a12 * r1 + twice(a + 2 * n) * r2);
+}
+
+void ph_i_green_apply(const ph_green *g, const double *r, double *z)
+{
 #pragma omp parallel for num_threads(g->threads) schedule(static)
-    for (ptrdiff_t k = 0; k < n; k++)
-        for (int s = 0; s < 2; s++) {
-            ptrdiff_t i = 2 * k + s;
-            double x = r[i], y = r[i + 2 * n], w = r[i + 4 * n];
-            z[i] = a[k] * x + f[k] * y + e[k] * w;
-            z[i + 2 * n] = f[k] * x + b[k] * y + d[k] * w;
-            z[i + 4 * n] = e[k] * x + d[k] * y + c[k] * w;
-        }
+    for (ptrdiff_t k = 0; k < g->modes / 2; k++) apply_pair(g, 2 * k, r, z);
+    if (g->modes % 2) apply_one(g, g->modes - 1, r, z);
 }
