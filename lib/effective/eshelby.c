@@ -105,7 +105,23 @@ out:
     return st;
 }
 
-/* Mean of Gamma over `count` directions around axis 3 that have height z to radius rho. */
+/* Mean of a tensor over all turns about axis 3. */
+static ph_sym4 axial_mean(const ph_sym4 *g)
+{
+    ph_sym4 p = {.n = 6};
+    double sum = 0.25 * (g->m[0][0] + g->m[1][1]), bulk = sum + 0.5 * g->m[0][1];
+    double shear = 0.5 * (sum - 0.5 * g->m[0][1] + 0.5 * g->m[5][5]);
+    p.m[0][0] = p.m[1][1] = bulk + shear;
+    p.m[0][1] = p.m[1][0] = bulk - shear;
+    p.m[5][5] = 2.0 * shear;
+    p.m[2][2] = g->m[2][2];
+    p.m[0][2] = p.m[2][0] = p.m[1][2] = p.m[2][1] = 0.5 * (g->m[0][2] + g->m[1][2]);
+    p.m[3][3] = p.m[4][4] = 0.5 * (g->m[3][3] + g->m[4][4]);
+    return p;
+}
+
+/* Mean of Gamma over `count` directions around axis 3 that have height z to radius rho;
+ * count = 1 where the caller takes the axial mean. */
 static ph_status around_axis(const ph_sym4 *c0, double rho, double z, int count,
                              double weight, ph_sym4 *sum, ph_error *err)
 {
@@ -144,7 +160,7 @@ out:
     return st;
 }
 
-/* No direction in the plane 1-2 is special: eight directions around then average exactly. */
+/* No direction in the plane 1-2 is special: then one direction gives the mean around. */
 static bool transversely_isotropic(const ph_sym4 *c)
 {
     const double w = 1.0, R[9] = {cos(w), -sin(w), 0, sin(w), cos(w), 0, 0, 0, 1};
@@ -160,20 +176,21 @@ static ph_status quadrature(const ph_sym4 *c0, ph_inclusion_shape shape, double 
     ph_status st = PH_OK;
     const double tolerance = 1e-12;
     const bool flat = shape == PH_SHAPE_CYLINDER;
-    int count = 8;
+    const bool axial = transversely_isotropic(c0);
+    int count = axial ? 1 : 8;
     double step = 0.25, change = INFINITY;
     ph_sym4 last = {.n = c0->n}, now = {.n = c0->n};
-    bool fixed = transversely_isotropic(c0);
     for (int level = 0; level < 8 && change > tolerance; level++) {
         now = (ph_sym4){.n = c0->n};
         if (flat)
             PH_TRY(around_axis(c0, 1.0, 0.0, count, 1.0, &now, err));
         else
             PH_TRY(over_sphere(c0, aspect, step, count, &now, err));
+        if (axial) now = axial_mean(&now);
         ph_sym4 d = ph_sym4_combine(1.0, &now, -1.0, &last);
         change = ph_sym4_norm(&d) / ph_sym4_norm(&now);
         last = now;
-        if (flat || !fixed) count *= 2;
+        if (!axial) count *= 2;
         if (level < 4) step *= 0.5;
     }
     PH_CHECK(change <= 1e-8, PH_ENOCONV,

@@ -61,11 +61,15 @@ bool ph_i_gamma(const ph_sym4 *c, const double normal[3], ph_sym4 *gamma)
     ph_i_contract(c, N, CN, Z);
     if (!ph_i_invert_small(d, Z, R)) return false;
     ph_sym4 g = {.n = c->n};
-    for (int a = 0; a < g.n; a++)
+    for (int a = 0; a < g.n; a++) {
+        double NR[3] = {0.0, 0.0, 0.0};
+        for (int i = 0; i < d; i++)
+            for (int j = 0; j < d; j++)
+                NR[j] += N[a][i] * R[i][j];
         for (int b = 0; b < g.n; b++)
-            for (int i = 0; i < d; i++)
-                for (int j = 0; j < d; j++)
-                    g.m[a][b] += N[a][i] * R[i][j] * N[b][j];
+            for (int j = 0; j < d; j++)
+                g.m[a][b] += NR[j] * N[b][j];
+    }
     *gamma = g;
     return true;
 }
