@@ -119,8 +119,10 @@ ph_status ph_case_parse(const char *text, size_t length, const char *name,
     PH_ALLOC(r.c, 1, "a case");
     PH_CHECK(set_path(r.c, r.file), PH_EINVAL, "%.100s...: the path is too long", r.file);
     PH_TRY(ph_i_tree_parse(&r, text, length, &root, err));
-    if (!root && r.issues->count == 0)
+    if (r.issues->count == 0 && (!root || ph_i_is_null(root))) {
+        ph_i_tree_free(&root);
         ph_i_complain_line(&r, 0, "the file is empty: a case begins with perihom: 1");
+    }
     for (size_t i = 0; root && i < nsets; i++)
         PH_TRY(ph_i_tree_set(&r, &root, sets[i], err));
     if (root) PH_TRY(read_case(&r, root, err));

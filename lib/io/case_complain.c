@@ -148,17 +148,18 @@ static void describe(const ph_i_node *node, char *out, size_t size)
     } else if (ph_i_is_null(node)) {
         snprintf(out, size, "nothing");
     } else {
-        const char *quote =
-            node->plain && ph_i_text_to_number(node->text, &ignored) ? "" : "'";
+        bool number = ph_i_text_to_number(node->text, &ignored);
+        const char *quote = number && node->plain ? "" : "'";
         shorten(node->text, part, sizeof part);
-        snprintf(out, size, "%s%s%s", quote, part, quote);
+        snprintf(out, size, "%s%s%s%s", number && !node->plain ? "the text " : "", quote,
+                 part, quote);
     }
 }
 
 void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const char *fmt,
                  ...)
 {
-    char rule[500], value[SHOWN + 16], text[600];
+    char rule[500], value[SHOWN + 24], text[600];
     va_list ap;
     va_start(ap, fmt);
     vsnprintf(rule, sizeof rule, fmt, ap);
@@ -178,6 +179,8 @@ void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const c
     va_end(ap);
     snprintf(text, sizeof text, "missing: %s", rule);
     const ph_i_node *at = map;
+    for (size_t i = 0; i < map->count; i++)
+        if (map->child[i]->meant && strcmp(map->child[i]->meant, key) == 0) return;
     for (size_t i = 0; i < map->count; i++)
         if (strcmp(map->child[i]->key, key) == 0) at = map->child[i];
     complain(r, at, at == map ? key : NULL, PH_EINVAL, text);

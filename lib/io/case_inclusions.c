@@ -47,40 +47,54 @@ static const shape_rule shapes[] = {
 };
 enum { NSHAPES = sizeof shapes / sizeof shapes[0] };
 
-static const shape_rule *read_shape(ph_i_reader *r, const ph_i_node *map)
+static bool fits(const ph_i_reader *r, const shape_rule *shape)
 {
-    const char *names[NSHAPES];
-    ph_i_names fitting = {names, 0};
-    char list[120], rule[200];
-    for (size_t i = 0; i < NSHAPES; i++)
-        if (r->dimension == 2 ? shapes[i].in2 : shapes[i].in3)
-            names[fitting.count++] = shapes[i].name;
-    ph_i_join_names(fitting, " or ", list, sizeof list);
-    snprintf(rule, sizeof rule, "must be %s", list);
-    const ph_i_node *node = ph_i_need(r, map, "shape", rule);
-    if (!node) return NULL;
-    for (size_t i = 0; i < NSHAPES; i++) {
-        if (!ph_i_is_word(node, shapes[i].name)) continue;
-        if (r->dimension == 2 ? shapes[i].in2 : shapes[i].in3) return &shapes[i];
-        ph_i_reject(r, node, PH_EINVAL, "in dimension %d it %s", r->dimension, rule);
-        return NULL;
-    }
-    ph_i_read_name(r, node, fitting);
+    return r->dimension == 2 ? shape->in2 : shape->in3;
+}
+
+static const shape_rule *find_shape(const ph_i_node *node)
+{
+    for (size_t i = 0; node && i < NSHAPES; i++)
+        if (ph_i_is_word(node, shapes[i].name)) return &shapes[i];
     return NULL;
 }
 
+/* Keys of the shape, or of any where the shape is unknown. */
 static void check_keys(ph_i_reader *r, const ph_i_node *map, const shape_rule *shape)
 {
     const char *known[NKEYS + 2] = {"shape", "material"};
     ph_i_names names = {known, 2};
-    char what[40];
+    char what[40] = "an inclusion";
     for (size_t k = 0; k < NKEYS; k++)
-        if ((shape->needs | shape->may) & key_bits[k].bit)
+        if (!shape || ((shape->needs | shape->may) & key_bits[k].bit))
             known[names.count++] = key_bits[k].name;
-    snprintf(what, sizeof what, "a %s", shape->name);
-    if (strchr("aeiou", shape->name[0]))
-        snprintf(what, sizeof what, "an %s", shape->name);
+    if (shape)
+        snprintf(what, sizeof what, "a%s %s", strchr("aeiou", shape->name[0]) ? "n" : "",
+                 shape->name);
     ph_i_check_keys(r, map, names, what);
+}
+
+/* The shape of an inclusion, its keys checked; NULL after a complaint. */
+static const shape_rule *read_shape(ph_i_reader *r, const ph_i_node *map)
+{
+    const char *names[NSHAPES];
+    ph_i_names fitting = {names, 0};
+    char list[120];
+    const ph_i_node *node = ph_i_get(map, "shape");
+    const shape_rule *shape = find_shape(node);
+    check_keys(r, map, shape);
+    if (shape && fits(r, shape)) return shape;
+    for (size_t i = 0; i < NSHAPES; i++)
+        if (fits(r, &shapes[i])) names[fitting.count++] = shapes[i].name;
+    ph_i_join_names(fitting, " or ", list, sizeof list);
+    if (!node)
+        ph_i_missing(r, map, "shape", "must be %s", list);
+    else if (shape)
+        ph_i_reject(r, node, PH_EINVAL, "in dimension %d it must be %s", r->dimension,
+                    list);
+    else
+        ph_i_read_name(r, node, fitting);
+    return NULL;
 }
 
 /* The node of a key that this shape has; a complaint where it must be there and is not. */
@@ -202,7 +216,6 @@ static void read_inclusion(ph_i_reader *r, const ph_i_node *map, ph_inclusion *i
     if (i >= 0) inc->material = i;
     if (!shape) return;
     snprintf(inc->shape, sizeof inc->shape, "%s", shape->name);
-    check_keys(r, map, shape);
     if (strcmp(shape->name, "ellipsoid") == 0) inc->axis[0] = 1;
     if (strcmp(shape->name, "cylinder") == 0) inc->axis[2] = 1;
     read_vectors(r, map, shape, inc);

@@ -17,9 +17,10 @@ typedef struct ph_i_node {
     bool from_set; /* came with --set */
     int line;      /* of its key, or of itself in a list; 0: --set */
     struct ph_i_node *parent;
-    char *key;    /* in a map, else NULL */
-    size_t index; /* in the parent */
-    char *text;   /* scalar: UTF-8 without NUL */
+    char *key;         /* in a map, else NULL */
+    size_t index;      /* in the parent */
+    char *text;        /* scalar: UTF-8 without NUL */
+    const char *meant; /* an unknown key: the known one that it looks like */
     size_t count, capacity;
     struct ph_i_node **child;
 } ph_i_node;
@@ -70,7 +71,7 @@ void ph_i_complain_line(ph_i_reader *r, int line, const char *fmt, ...) PH_PRINT
 /** "path: VALUE is not admissible: rule". */
 void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const char *fmt,
                  ...) PH_PRINTF(4, 5);
-/** "path.key: missing: rule". */
+/** "path.key: missing: rule"; silent where an unknown key was taken for a misspelt `key`. */
 void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const char *fmt,
                   ...) PH_PRINTF(4, 5);
 
@@ -82,7 +83,7 @@ const ph_i_node *ph_i_get(const ph_i_node *map, const char *key);
 /** Child that must be there. */
 const ph_i_node *ph_i_need(ph_i_reader *r, const ph_i_node *map, const char *key,
                            const char *rule);
-/** Complain about every key not in `known`. */
+/** Complain about every key not in `known`; call it before ph_i_need. */
 void ph_i_check_keys(ph_i_reader *r, const ph_i_node *map, ph_i_names known,
                      const char *what);
 bool ph_i_is_null(const ph_i_node *node);
@@ -99,7 +100,7 @@ bool ph_i_read_positive(ph_i_reader *r, const ph_i_node *node, const char *rule,
                         double *out);
 bool ph_i_read_integer(ph_i_reader *r, const ph_i_node *node, int64_t lo, int64_t hi,
                        const char *rule, int64_t *out);
-/** List of `count` finite numbers, each > 0 where `positive`. */
+/** List of `count` finite numbers, each a length > 0 where `positive`. */
 bool ph_i_read_numbers(ph_i_reader *r, const ph_i_node *node, size_t count, bool positive,
                        const char *rule, double *out);
 /** A direction: 3 numbers, not all zero. */

@@ -98,6 +98,15 @@ static bool read_matrix(ph_i_reader *r, const ph_i_node *node, double voigt[36])
     return good;
 }
 
+/* "material 'ply': stiffness must ..." without the name, which the key path already says. */
+static const char *without_name(const ph_error *why, const char *name)
+{
+    size_t skip = strlen("material '': ") + strlen(name);
+    return strncmp(why->msg, "material '", 10) == 0 && strlen(why->msg) > skip
+               ? why->msg + skip
+               : why->msg;
+}
+
 static void read_anisotropic(ph_i_reader *r, const ph_i_node *map, const ph_i_node *node,
                              ph_material *out)
 {
@@ -107,7 +116,7 @@ static void read_anisotropic(ph_i_reader *r, const ph_i_node *map, const ph_i_no
     bool rotated = read_rotation(r, map, R, &good_rotation);
     if (!read_matrix(r, node, voigt) || !good_rotation) return;
     if (ph_material_anisotropic(out->name, voigt, rotated ? R : NULL, out, &why) != PH_OK)
-        ph_i_complain(r, node, PH_EUNPHYSICAL, "%s", why.msg);
+        ph_i_complain(r, node, PH_EUNPHYSICAL, "%s", without_name(&why, out->name));
 }
 
 static void read_isotropic(ph_i_reader *r, const ph_i_node *map, ph_material *out)
@@ -121,7 +130,7 @@ static void read_isotropic(ph_i_reader *r, const ph_i_node *map, ph_material *ou
     bool good = E_node && ph_i_read_positive(r, E_node, E_rule, &E);
     good &= nu_node && ph_i_read_number(r, nu_node, -1, 0.5, nu_rule, &nu);
     if (good && ph_material_isotropic(out->name, E, nu, out, &why) != PH_OK)
-        ph_i_complain(r, map, PH_EUNPHYSICAL, "%s", why.msg);
+        ph_i_complain(r, map, PH_EUNPHYSICAL, "%s", without_name(&why, out->name));
 }
 
 /* Keys that do not go with the one that says what kind of material this is. */
@@ -132,28 +141,28 @@ static void refuse_others(ph_i_reader *r, const ph_i_node *map, const char *kind
     ph_i_join_names(allowed, " and ", list, sizeof list);
     for (size_t i = 0; i < map->count; i++) {
         const ph_i_node *node = map->child[i];
-        bool known = false, fits = false;
+        bool known = false;
+        bool fits = strcmp(node->key, kind) == 0 || strcmp(node->key, "void") == 0;
         for (size_t k = 0; k < sizeof material_keys / sizeof *material_keys; k++)
             known |= strcmp(material_keys[k], node->key) == 0;
         for (size_t k = 0; k < allowed.count; k++)
             fits |= strcmp(allowed.name[k], node->key) == 0;
         if (known && !fits && !ph_i_is_null(node))
-            ph_i_complain(r, node, PH_EINVAL, "does not go with %s: only %s can", kind,
-                          list);
+            ph_i_complain(r, node, PH_EINVAL, "does not go with %s, which %s%s", kind,
+                          allowed.count ? "can have " : "stands alone", list);
     }
 }
 
 static void read_elastic(ph_i_reader *r, const ph_i_node *map, ph_material *out)
 {
-    static const char *const with_void[] = {"void"};
-    static const char *const with_matrix[] = {"stiffness", "rotation", "euler", "density",
-                                              "void"};
-    static const char *const with_E[] = {"E", "nu", "density", "void"};
+
+    static const char *const with_matrix[] = {"rotation", "euler", "density"};
+    static const char *const with_E[] = {"nu", "density"};
     const ph_i_node *hole = ph_i_get(map, "void"), *matrix = ph_i_get(map, "stiffness");
     bool is_void = false;
     if (hole && !ph_i_read_flag(r, hole, &is_void)) return;
     if (is_void) {
-        refuse_others(r, map, "void: true", (ph_i_names)PH_I_NAMES(with_void));
+        refuse_others(r, map, "void", (ph_i_names){NULL, 0});
         *out = ph_material_void(out->name);
     } else if (matrix) {
         refuse_others(r, map, "stiffness", (ph_i_names)PH_I_NAMES(with_matrix));
@@ -162,7 +171,7 @@ static void read_elastic(ph_i_reader *r, const ph_i_node *map, ph_material *out)
         ph_i_complain(r, map, PH_EINVAL,
                       "says nothing: must have E and nu, or stiffness, or void: true");
     } else {
-        refuse_others(r, map, "E and nu", (ph_i_names)PH_I_NAMES(with_E));
+        refuse_others(r, map, "E", (ph_i_names)PH_I_NAMES(with_E));
         read_isotropic(r, map, out);
     }
 }

@@ -46,7 +46,8 @@ static void read_nodes(ph_i_reader *r, const ph_i_node *map, bool voxels)
     int64_t total = 1;
     for (size_t a = 0; a < (size_t)r->dimension; a++) {
         int64_t n = 0;
-        if (!ph_i_read_integer(r, node->child[a], 1, MAX_NODES_PER_AXIS, rule, &n))
+        if (!ph_i_read_integer(r, node->child[a], 1, MAX_NODES_PER_AXIS,
+                               "must be an integer from 1 to 65536", &n))
             return;
         r->c->nodes[a] = (ptrdiff_t)n;
         total *= n; /* below 2^48 */

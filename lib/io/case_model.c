@@ -29,7 +29,8 @@ static void read_kind(ph_i_reader *r, const ph_i_node *node, ph_model_params *mo
 /* auto, a number of node spacings, or {length: x}. */
 static void read_horizon(ph_i_reader *r, const ph_i_node *node, ph_model_params *model)
 {
-    static const char rule[] = "must be node spacings > 0, {length: x} or auto";
+    static const char rule[] =
+        "must be a number of node spacings > 0, {length: x} or auto";
     static const char length_rule[] = "the horizon must be a length > 0";
     if (ph_i_is_word(node, "auto")) return;
     if (node->kind != PH_I_MAP) {

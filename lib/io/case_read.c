@@ -57,13 +57,14 @@ void ph_i_check_keys(ph_i_reader *r, const ph_i_node *map, ph_i_names known,
                      const char *what)
 {
     for (size_t i = 0; i < map->count; i++) {
-        const ph_i_node *node = map->child[i];
+        ph_i_node *node = map->child[i];
         char list[200];
         size_t k = 0;
         while (k < known.count && strcmp(known.name[k], node->key) != 0)
             k++;
         if (k < known.count) continue;
         const char *near = ph_nearest_name(node->key, known.name, known.count);
+        node->meant = near;
         ph_i_join_names(known, " and ", list, sizeof list);
         ph_i_complain(r, node, PH_EINVAL, "unknown key: %s has %s%s%s%s", what, list,
                       near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
@@ -174,10 +175,12 @@ bool ph_i_read_numbers(ph_i_reader *r, const ph_i_node *node, size_t count, bool
 {
     if (!ph_i_read_list(r, node, count, rule)) return false;
     bool good = true;
-    for (size_t i = 0; i < count; i++)
-        good &= positive ? ph_i_read_positive(r, node->child[i], rule, &out[i])
-                         : ph_i_read_number(r, node->child[i], -LARGEST, LARGEST, rule,
-                                            &out[i]);
+    for (size_t i = 0; i < count; i++) {
+        const ph_i_node *x = node->child[i];
+        good &= positive ? ph_i_read_positive(r, x, "must be a length > 0", &out[i])
+                         : ph_i_read_number(r, x, -LARGEST, LARGEST,
+                                            "must be a number (at most 1e60)", &out[i]);
+    }
     return good;
 }
 
@@ -187,7 +190,7 @@ bool ph_i_read_direction(ph_i_reader *r, const ph_i_node *node, const char *rule
     double v[3];
     if (!ph_i_read_numbers(r, node, 3, false, rule, v)) return false;
     if (fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2]))) < SMALLEST) {
-        ph_i_reject(r, node, PH_EUNPHYSICAL, "%s", rule);
+        ph_i_complain(r, node, PH_EUNPHYSICAL, "three zeros are no direction");
         return false;
     }
     memcpy(out, v, sizeof v);

@@ -5,13 +5,14 @@
 
 #include <string.h>
 
-enum { MAX_DEPTH = 24, MAX_NODES = 2000000 };
+/* Every value takes a byte of the file; beyond that aliases may add so many. */
+enum { MAX_DEPTH = 24, MAX_ALIASED = 100000 };
 
 typedef struct builder {
     ph_i_reader *r;
     yaml_document_t *doc;
     bool stop; /* too deep or too many: one complaint is enough */
-    size_t nodes;
+    size_t nodes, most;
 } builder;
 
 void ph_i_tree_free(ph_i_node **node)
@@ -158,8 +159,8 @@ static ph_status build(builder *b, int id, int depth, ph_i_node *parent, const c
     const yaml_node_t *from = yaml_document_get_node(b->doc, id);
     if (depth > MAX_DEPTH)
         stop_at(b, from, "nested too deeply, or an alias that holds itself");
-    else if (++b->nodes > MAX_NODES)
-        stop_at(b, from, "more than 2000000 values: too long for a case file");
+    else if (++b->nodes > b->most)
+        stop_at(b, from, "the aliases make more than 100000 values of this");
     if (b->stop) goto out;
     PH_ALLOC(node, 1, "a case file");
     node->from_set = b->r->set != NULL;
@@ -200,41 +201,55 @@ static int line_of_offset(const char *text, size_t length, size_t offset)
     return line;
 }
 
+/* Is the first thing of this line a tab? */
+static bool has_tab_indent(const char *text, size_t length, size_t line)
+{
+    size_t row = 1, i = 0;
+    while (i < length && row < line)
+        row += text[i++] == '\n';
+    while (i < length && (text[i] == ' ' || text[i] == '-'))
+        i++;
+    return i < length && text[i] == '\t';
+}
+
 /* libyaml's words where it has good ones, ours for the mistakes that people make. */
 static void complain_syntax(ph_i_reader *r, const yaml_parser_t *parser, const char *text,
                             size_t length)
 {
     const char *problem = parser->problem ? parser->problem : "not understood";
-    size_t line = parser->problem_mark.line + 1;
+    size_t line = parser->problem_mark.line + 1, begin = parser->context_mark.line + 1;
+    char context[100] = "";
     if (parser->error == YAML_READER_ERROR) {
         line = (size_t)line_of_offset(text, length, parser->problem_offset);
         if (strstr(problem, "UTF-8")) problem = "a character is not UTF-8";
-    } else if (strstr(problem, "cannot start any token")) {
-        size_t row = 1, i = 0;
-        while (i < length && row < line)
-            row += text[i++] == '\n';
-        while (i < length && (text[i] == ' ' || text[i] == '-'))
-            i++;
-        if (i < length && text[i] == '\t') problem = "a tab cannot indent: use spaces";
+    } else if (has_tab_indent(text, length, line)) {
+        problem = "a tab cannot indent: use spaces";
+    } else if (strstr(problem, "mapping values are not allowed")) {
+        problem = "no key can stand here: check the indentation, and the line above for "
+                  "a missing ':'";
+    } else if (parser->context && begin < line && !r->set) {
+        snprintf(context, sizeof context, " (%s that begins on line %zu)",
+                 parser->context, begin);
     }
-    if (r->set) line = 0;
-    ph_i_complain_line(r, (int)line, "not valid YAML: %s", problem);
+    ph_i_complain_line(r, r->set ? 0 : (int)line, "not valid YAML: %s%s", problem,
+                       context);
 }
 
-/* A second document after the first: one file, one case. */
-static void check_alone(ph_i_reader *r, yaml_parser_t *parser, const char *text,
+/* A second document after the first, or rubbish: one file, one case. */
+static bool check_alone(ph_i_reader *r, yaml_parser_t *parser, const char *text,
                         size_t length)
 {
     yaml_document_t next;
     if (!yaml_parser_load(parser, &next)) {
         complain_syntax(r, parser, text, length);
-        return;
+        return false;
     }
     const yaml_node_t *root = yaml_document_get_root_node(&next);
     if (root)
         ph_i_complain_line(r, r->set ? 0 : (int)next.start_mark.line + 1,
                            "a second document begins here: one is admissible");
     yaml_document_delete(&next);
+    return !root;
 }
 
 ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length,
@@ -245,6 +260,7 @@ ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length,
     yaml_document_t doc;
     bool loaded = false;
     *root = NULL;
+    if (length >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) text += 3, length -= 3;
     PH_CHECK(yaml_parser_initialize(&parser), PH_ENOMEM, "no memory for a YAML parser");
     yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
@@ -257,11 +273,11 @@ ph_status ph_i_tree_parse(ph_i_reader *r, const char *text, size_t length,
         goto done;
     }
     if (yaml_document_get_root_node(&doc)) {
-        builder b = {.r = r, .doc = &doc};
+        builder b = {.r = r, .doc = &doc, .most = length + MAX_ALIASED};
         int id = (int)(yaml_document_get_root_node(&doc) - doc.nodes.start) + 1;
         st = build(&b, id, 0, NULL, NULL, 0, root, err);
-        if (st == PH_OK) check_alone(r, &parser, text, length);
-        if (b.stop) ph_i_tree_free(root);
+        if (st != PH_OK || b.stop || !check_alone(r, &parser, text, length))
+            ph_i_tree_free(root);
     }
 done:
     if (loaded) yaml_document_delete(&doc);
