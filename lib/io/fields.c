@@ -7,6 +7,7 @@
 #include "io/draft.h"
 #include "io/fields.h"
 #include "io/hdf5.h"
+#include "io/hdf5_sink.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,8 +17,19 @@ typedef struct writer {
     const char *path; /* for messages */
     const ph_grid *grid;
     hid_t file;
+    ph_i_hdf5_sink sink;
     void *buffer; /* one array on its way out */
 } writer;
+
+/* One dataset, and whether the disk took it. */
+static ph_status put_array(writer *w, hid_t group, const char *name, hid_t type, int rank,
+                           const hsize_t *shape, ph_i_storage how, const void *data,
+                           ph_error *err)
+{
+    ph_status st = ph_i_hdf5_put_array(group, name, type, rank, shape, how, data, w->path, err);
+    if (w->sink.failed) return ph_i_io_error(err, "write", w->path, w->sink.failed);
+    return st;
+}
 
 /* [x][y][z] to [z][y][x]. */
 static void transpose_cells(const ph_grid *g, const double *from, double *to)
@@ -81,10 +93,9 @@ static ph_status write_displacement(writer *w, hid_t group, const ph_fields *f,
                                     const double *eps, bool at_nodes, ph_error *err)
 {
     hsize_t shape[4];
-    int rank = ph_i_array_shape(w->grid, at_nodes, shape);
-    size_t count = 3;
-    for (int a = 0; a < rank; a++) count *= shape[a];
-    shape[rank] = 3; /* always three, so that ParaView can warp 2D meshes too */
+    ph_i_array_shape(w->grid, at_nodes, shape);
+    shape[3] = 3; /* always three, so that ParaView can warp 2D meshes too */
+    size_t count = (size_t)(shape[0] * shape[1] * shape[2] * shape[3]);
     memset(w->buffer, 0, count * sizeof(double));
     for (int c = 0; c < f->nu; c++) {
         double slope[3];
@@ -93,8 +104,8 @@ static ph_status write_displacement(writer *w, hid_t group, const ph_fields *f,
                                f->displacement + c * ph_grid_cells(w->grid), c, slope,
                                w->buffer);
     }
-    return ph_i_hdf5_put_array(group, "displacement", H5T_NATIVE_DOUBLE, rank + 1, shape,
-                               true, 0, w->buffer, w->path, err);
+    return put_array(w, group, "displacement", H5T_NATIVE_DOUBLE, 4, shape,
+                     PH_I_CHUNKED, w->buffer, err);
 }
 
 /* strain/11 ... or stress/11 ...: one array a component. */
@@ -104,13 +115,13 @@ static ph_status write_components(writer *w, hid_t load, const char *name, int n
     ph_status st = PH_OK;
     const char *path = w->path;
     hsize_t shape[3];
-    int rank = ph_i_array_shape(w->grid, 0, shape);
+    ph_i_array_shape(w->grid, 0, shape);
     hid_t group = -1;
     PH_HDF5(group = H5Gcreate2(load, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "write");
     for (int a = 0; a < ns; a++) {
         transpose_cells(w->grid, value + a * ph_grid_cells(w->grid), w->buffer);
-        PH_TRY(ph_i_hdf5_put_array(group, ph_i_voigt_name(ns, a), H5T_NATIVE_DOUBLE, rank,
-                                   shape, true, 0, w->buffer, path, err));
+        PH_TRY(put_array(w, group, ph_i_voigt_name(ns, a), H5T_NATIVE_DOUBLE, 3, shape,
+                         PH_I_CHUNKED, w->buffer, err));
     }
 out:
     if (group >= 0) H5Gclose(group);
@@ -164,13 +175,13 @@ static ph_status write_phase(writer *w, const ph_microstructure *micro, ph_error
     const uint16_t *from = micro->phase;
     uint16_t *to = w->buffer;
     hsize_t shape[3];
-    int rank = ph_i_array_shape(g, 0, shape);
+    ph_i_array_shape(g, 0, shape);
     for (ptrdiff_t i = 0; i < g->n[0]; i++)
         for (ptrdiff_t j = 0; j < g->n[1]; j++)
             for (ptrdiff_t k = 0; k < g->n[2]; k++)
                 to[(k * g->n[1] + j) * g->n[0] + i] = *from++;
-    return ph_i_hdf5_put_array(w->file, "phase", H5T_NATIVE_UINT16, rank, shape, true, 4, to,
-                               w->path, err);
+    return put_array(w, w->file, "phase", H5T_NATIVE_UINT16, 3, shape, PH_I_DEFLATED, to,
+                     err);
 }
 
 static ph_status write_materials(writer *w, const ph_microstructure *micro, ph_error *err)
@@ -196,7 +207,7 @@ static ph_status write_materials(writer *w, const ph_microstructure *micro, ph_e
         if (m->stiffness.n == 6) ph_sym4_to_voigt(&m->stiffness, true, row[i].voigt);
     }
     PH_TRY(ph_i_material_type(&type, path, err));
-    PH_TRY(ph_i_hdf5_put_array(w->file, "materials", type, 1, &n, false, 0, row, path, err));
+    PH_TRY(put_array(w, w->file, "materials", type, 1, &n, PH_I_PLAIN, row, err));
 out:
     if (type >= 0) H5Tclose(type);
     free(fraction);
@@ -223,7 +234,7 @@ static ph_status write_cuts(writer *w, const ph_microstructure *micro, ph_error 
         memcpy(row[q].normal, cut->normal, sizeof row[q].normal);
     }
     PH_TRY(ph_i_cut_type(&type, path, err));
-    PH_TRY(ph_i_hdf5_put_array(w->file, "cuts", type, 1, &n, false, 0, row, path, err));
+    PH_TRY(put_array(w, w->file, "cuts", type, 1, &n, PH_I_PLAIN, row, err));
 out:
     if (type >= 0) H5Tclose(type);
     free(row);
@@ -243,7 +254,7 @@ static ph_status write_head(writer *w, const ph_case *c, ph_error *err)
                  {"perihom", ph_version()},
                  {"git", ph_git_revision()},
                  {"kinematics", ph_i_kinematics_names[g->kinematics]},
-                 {"axes", g->kinematics == PH_SPACE ? "z y x" : "y x"}};
+                 {"axes", "z y x"}};
     ph_status st = PH_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         PH_TRY(ph_i_hdf5_put_text(w->file, texts[i].name, texts[i].text, w->path, err));
@@ -286,18 +297,21 @@ static ph_status write_hdf5(ph_i_draft *draft, const char *path,
     ph_status st = PH_OK;
     writer w = {.path = path, .grid = &micro->grid, .file = -1};
     double *buffer = NULL;
+    hid_t access = -1;
     ph_i_hdf5_quiet quiet;
     ph_i_hdf5_begin(&quiet);
     PH_ALLOC(buffer, buffer_length(w.grid, result), "the fields on their way out");
     w.buffer = buffer;
     PH_TRY(ph_i_draft_begin(draft, path, err));
     PH_CHECK(!draft->in_place, PH_EIO, "cannot write '%.300s': not a regular file", path);
-    PH_HDF5(w.file = H5Fcreate(draft->path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "write");
+    PH_HDF5(access = ph_i_hdf5_sink_access(&w.sink), "write");
+    PH_HDF5(w.file = H5Fcreate(draft->path, H5F_ACC_TRUNC, H5P_DEFAULT, access), "write");
     PH_TRY(write_all(&w, micro, result, c, err));
-    PH_HDF5(H5Fflush(w.file, H5F_SCOPE_GLOBAL), "write");
 out:
     if (w.file >= 0 && H5Fclose(w.file) < 0 && st == PH_OK)
         st = ph_i_hdf5_error(err, "write", path);
+    if (access >= 0) H5Pclose(access);
+    if (st == PH_OK && w.sink.failed) st = ph_i_io_error(err, "write", path, w.sink.failed);
     ph_i_hdf5_end(&quiet);
     free(buffer);
     return st;

@@ -16,9 +16,9 @@ const char *ph_i_voigt_name(int n, int a);
 /** Whether displacement goes to the (n+1) nodes of the closed mesh: it lives at the corners
  *  and is affine plus periodic. Else it is cell data. */
 bool ph_i_displacement_at_nodes(const ph_result *result);
-/** Number of axes of the arrays, 2 or 3, and their extents, slowest first ([z][y][x]) with
- *  `extra` more per axis (1: nodes of the closed mesh). */
-int ph_i_array_shape(const ph_grid *grid, int extra, hsize_t shape[3]);
+/** Extents of the arrays, slowest first ([z][y][x], 2D: one layer) with `extra` more per
+ *  axis that the fields vary along (1: nodes of the closed mesh). */
+void ph_i_array_shape(const ph_grid *grid, int extra, hsize_t shape[3]);
 
 /** Names of ph_kinematics in files. */
 extern const char *const ph_i_kinematics_names[4];

@@ -151,9 +151,9 @@ static ph_status read_phase(reader *r, ph_microstructure *micro, ph_error *err)
     ph_status st = PH_OK;
     const ph_grid *g = &r->grid;
     hsize_t shape[3];
-    int rank = ph_i_array_shape(g, 0, shape);
+    ph_i_array_shape(g, 0, shape);
     uint16_t *from = (uint16_t *)r->buffer, *to = micro->phase;
-    PH_TRY(ph_i_hdf5_get_array(r->file, "phase", H5T_NATIVE_UINT16, rank, shape, from,
+    PH_TRY(ph_i_hdf5_get_array(r->file, "phase", H5T_NATIVE_UINT16, 3, shape, from,
                                r->path, err));
     for (ptrdiff_t i = 0; i < g->n[0]; i++)
         for (ptrdiff_t j = 0; j < g->n[1]; j++)
@@ -181,10 +181,10 @@ static ph_status read_displacement(reader *r, hid_t load, int extra, ph_fields *
 {
     ph_status st = PH_OK;
     hsize_t shape[4];
-    int rank = ph_i_array_shape(&r->grid, extra, shape);
-    shape[rank] = 3;
+    ph_i_array_shape(&r->grid, extra, shape);
+    shape[3] = 3;
     PH_ALLOC(f->displacement, f->nu * ph_grid_cells(&r->grid), "the displacement");
-    PH_TRY(ph_i_hdf5_get_array(load, "displacement", H5T_NATIVE_DOUBLE, rank + 1, shape,
+    PH_TRY(ph_i_hdf5_get_array(load, "displacement", H5T_NATIVE_DOUBLE, 4, shape,
                                r->buffer, r->path, err));
     untranspose(&r->grid, extra, 3, f->nu, r->buffer, f->displacement);
 out:
@@ -197,12 +197,12 @@ static ph_status read_components(reader *r, hid_t load, const char *kind, int ns
     ph_status st = PH_OK;
     ptrdiff_t cells = ph_grid_cells(&r->grid);
     hsize_t shape[3];
-    int rank = ph_i_array_shape(&r->grid, 0, shape);
+    ph_i_array_shape(&r->grid, 0, shape);
     char name[32];
     PH_ALLOC(*value, ns * cells, kind);
     for (int a = 0; a < ns; a++) {
         snprintf(name, sizeof name, "%s/%s", kind, ph_i_voigt_name(ns, a));
-        PH_TRY(ph_i_hdf5_get_array(load, name, H5T_NATIVE_DOUBLE, rank, shape, r->buffer,
+        PH_TRY(ph_i_hdf5_get_array(load, name, H5T_NATIVE_DOUBLE, 3, shape, r->buffer,
                                    r->path, err));
         untranspose(&r->grid, 0, 1, 1, r->buffer, *value + a * cells);
     }

@@ -22,12 +22,11 @@ bool ph_i_displacement_at_nodes(const ph_result *result)
     return result->points != PH_POINTS_NODES && periodic;
 }
 
-int ph_i_array_shape(const ph_grid *grid, int extra, hsize_t shape[3])
+void ph_i_array_shape(const ph_grid *grid, int extra, hsize_t shape[3])
 {
-    int rank = grid->kinematics == PH_SPACE ? 3 : 2;
-    for (int a = 0; a < rank; a++)
-        shape[a] = (hsize_t)(grid->n[rank - 1 - a] + extra);
-    return rank;
+    for (int a = 0; a < 3; a++)
+        shape[2 - a] =
+            (hsize_t)(grid->n[a] + (a < 2 || grid->kinematics == PH_SPACE ? extra : 0));
 }
 
 /* A member of a compound type. */

@@ -126,25 +126,25 @@ static void chunk_shape(int rank, const hsize_t *dims, hsize_t *chunk)
 }
 
 ph_status ph_i_hdf5_put_array(hid_t object, const char *name, hid_t type, int rank,
-                              const hsize_t *dims, bool chunk, unsigned deflate,
-                              const void *data, const char *path, ph_error *err)
+                              const hsize_t *dims, ph_i_storage how, const void *data,
+                              const char *path, ph_error *err)
 {
     ph_status st = PH_OK;
     hid_t space = -1, props = -1, set = -1;
     hsize_t shape[H5S_MAX_RANK];
     PH_HDF5(space = H5Screate_simple(rank, dims, NULL), "write");
     PH_HDF5(props = H5Pcreate(H5P_DATASET_CREATE), "write");
-    if (chunk) {
+    if (how != PH_I_PLAIN) {
         chunk_shape(rank, dims, shape);
         PH_HDF5(H5Pset_chunk(props, rank, shape), "write");
-        if (deflate) PH_HDF5(H5Pset_deflate(props, deflate), "write");
+        if (how == PH_I_DEFLATED) PH_HDF5(H5Pset_deflate(props, 4), "write");
     }
     PH_HDF5(set = H5Dcreate2(object, name, type, space, H5P_DEFAULT, props, H5P_DEFAULT),
             "write");
     PH_HDF5(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "write");
-    PH_HDF5(H5Dflush(set), "write"); /* a full disk shows here and not in close */
 out:
-    if (set >= 0) H5Dclose(set);
+    if (set >= 0 && H5Dclose(set) < 0 && st == PH_OK)
+        st = ph_i_hdf5_error(err, "write", path);
     if (props >= 0) H5Pclose(props);
     if (space >= 0) H5Sclose(space);
     return st;

@@ -36,11 +36,12 @@ ph_status ph_i_hdf5_put_doubles(hid_t object, const char *name, int count, const
                                 const char *path, ph_error *err);
 ph_status ph_i_hdf5_put_ints(hid_t object, const char *name, int count, const int *x,
                              const char *path, ph_error *err);
-/** Whole dataset `name` under `object`. @param[in] type in memory and in the file; chunk:
- *  chunked in pieces of about 1 MiB; deflate: level, 0 for none (needs chunk). */
+/** In one piece; in chunks of about 1 MiB; in such chunks, compressed. */
+typedef enum ph_i_storage { PH_I_PLAIN, PH_I_CHUNKED, PH_I_DEFLATED } ph_i_storage;
+/** Whole dataset `name` under `object`. @param[in] type in memory and in the file. */
 ph_status ph_i_hdf5_put_array(hid_t object, const char *name, hid_t type, int rank,
-                              const hsize_t *dims, bool chunk, unsigned deflate,
-                              const void *data, const char *path, ph_error *err);
+                              const hsize_t *dims, ph_i_storage how, const void *data,
+                              const char *path, ph_error *err);
 
 /** Read them back: the shape must be as given, the numbers are converted to `type`. */
 ph_status ph_i_hdf5_get_text(hid_t object, const char *name, char *text, size_t size,

@@ -30,41 +30,42 @@ typedef struct attribute {
     bool node, vector, phase;
 } attribute;
 
+static void put_shape(FILE *out, const hsize_t shape[3])
+{
+    fprintf(out, "%llu %llu %llu", (unsigned long long)shape[0],
+            (unsigned long long)shape[1], (unsigned long long)shape[2]);
+}
+
 static void put_attribute(FILE *out, const char *h5, const ph_grid *g, const char *name,
                           attribute a)
 {
     hsize_t shape[3];
-    int rank = ph_i_array_shape(g, a.node, shape);
+    ph_i_array_shape(g, a.node, shape);
     fprintf(out, "   <Attribute Name=\"%s\" AttributeType=\"%s\" Center=\"%s\">\n", name,
             a.vector ? "Vector" : "Scalar", a.node ? "Node" : "Cell");
     fputs("    <DataItem Dimensions=\"", out);
-    for (int k = 0; k < rank; k++)
-        fprintf(out, "%s%llu", k ? " " : "", (unsigned long long)shape[k]);
+    put_shape(out, shape);
     fprintf(out, "%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">", a.vector ? " 3" : "",
             a.phase ? "UInt" : "Float", a.phase ? 2 : 8);
     put_escaped(out, h5);
     fprintf(out, ":%s</DataItem>\n   </Attribute>\n", a.dataset);
 }
 
-/* Nodes of the mesh are the corners of the cells; XDMF counts from the slowest axis. */
+/* Nodes of the mesh are the corners of the cells; XDMF counts from the slowest axis. A plane
+ * is one layer of nodes: ParaView puts a 2DCoRectMesh into the y-z plane. */
 static void put_mesh(FILE *out, const ph_grid *g)
 {
     hsize_t shape[3];
-    int rank = ph_i_array_shape(g, 1, shape);
-    fprintf(out, "   <Topology TopologyType=\"%dDCoRectMesh\" Dimensions=\"", rank);
-    for (int k = 0; k < rank; k++)
-        fprintf(out, "%s%llu", k ? " " : "", (unsigned long long)shape[k]);
-    fprintf(out, "\"/>\n   <Geometry GeometryType=\"%s\">\n",
-            rank == 3 ? "ORIGIN_DXDYDZ" : "ORIGIN_DXDY");
-    fprintf(out, "    <DataItem Dimensions=\"%d\" NumberType=\"Float\" Precision=\"8\" "
-                 "Format=\"XML\">%s</DataItem>\n",
-            rank, rank == 3 ? "0 0 0" : "0 0");
-    fprintf(out, "    <DataItem Dimensions=\"%d\" NumberType=\"Float\" Precision=\"8\" "
-                 "Format=\"XML\">",
-            rank);
-    for (int k = 0; k < rank; k++)
-        fprintf(out, "%s%.17g", k ? " " : "", g->h[rank - 1 - k]);
-    fputs("</DataItem>\n   </Geometry>\n", out);
+    ph_i_array_shape(g, 1, shape);
+    fputs("   <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"", out);
+    put_shape(out, shape);
+    fputs("\"/>\n   <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
+          "    <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" "
+          "Format=\"XML\">0 0 0</DataItem>\n"
+          "    <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" "
+          "Format=\"XML\">",
+          out);
+    fprintf(out, "%.17g %.17g %.17g</DataItem>\n   </Geometry>\n", g->h[2], g->h[1], g->h[0]);
 }
 
 static void put_load(FILE *out, const char *h5, const ph_grid *g, const ph_fields *f,

@@ -33,7 +33,7 @@ PH_API ph_status ph_write_file(const char *path, const char *text, size_t length
 /** Phases, cuts and materials and, if kept, the fields of every load: `base`.h5 and
  *  `base`.xdmf, which ParaView and meshio open. Layout: docs/results.md.
  *
- *  HDF5 arrays are indexed [z][y][x] (2D: [y][x]), x fastest, as XDMF wants it. Displacement
+ *  HDF5 arrays are indexed [z][y][x] (2D: one layer), x fastest, as XDMF wants it. Displacement
  *  of nodal models is cell data. Where displacement lives at the corners and is periodic
  *  around the affine field (constraints periodic and linear_displacement), it is node data
  *  on the closed mesh, continued by the macro strain to the far faces, ready for warping.
