@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* perihom bounds: what analytic bounds and estimates say of a case, without solving it. */
 #include "bounds.h"
+#include "check.h"
 #include "tools.h"
 
 #include <jansson.h>
@@ -10,33 +11,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char usage[] =
-    "usage: perihom bounds CASE.yaml [--json] [--set key.path=value]...\n";
-
-static const char help[] =
-    "Analytic bounds and estimates of a case: Voigt, Reuss, Hashin-Shtrikman, "
-    "Mori-Tanaka,\n"
-    "self-consistent and more. Builds the microstructure for its fractions, solves "
-    "nothing.\n\n"
-    "usage: perihom bounds CASE.yaml [--json] [--set key.path=value]...\n\n"
-    "  perihom bounds data/cases/boron-aluminium.yaml\n"
-    "  perihom bounds case.yaml --set materials.fibre.E=230\n"
-    "  perihom bounds case.yaml --json | jq '.methods[] | {name, E1: "
-    ".engineering.E1}'\n\n"
-    "  --json                 one JSON document (perihom.bounds/1) instead of the table\n"
-    "  --set key.path=value   override a key of the case; may be repeated\n"
-    "  -h, --help             this text\n\n"
-    "Inclusions are seen as cylinders (disks), spheres, spheroids or layers; a method "
-    "that\n"
-    "does not apply says why. Moduli are in the case's unit of stress.\n"
-    "Exit code: 0 done, 2 usage, 3 input not admissible, 5 file or memory.\n";
-
 typedef struct bounds_options {
-    const char *path;
-    const char **sets; /* [nsets] */
-    size_t nsets;
-    bool json, help;
+    text_list operands, set;
+    bool json;
 } bounds_options;
+
+static const option_spec options[] = {OPTION_SET(bounds_options),
+                                      OPTION_JSON(bounds_options)};
+
+static const verb_spec bounds_verb = {
+    .name = "bounds",
+    .title = "analytic bounds and estimates of a case; solves nothing",
+    .operands = "CASE.yaml",
+    .operands_min = 1,
+    .operands_max = 1,
+    .operands_offset = offsetof(bounds_options, operands),
+    .example = {{"perihom bounds data/cases/boron-aluminium.yaml",
+                 "Voigt, Reuss, Hashin-Shtrikman, Mori-Tanaka and more, as a table"},
+                {"perihom bounds case.yaml --set materials.fibre.E=230",
+                 "with another fibre"},
+                {"perihom bounds case.yaml --json | jq '.methods[] | {name, E1: "
+                 ".engineering.E1}'",
+                 "the document perihom.bounds/1, for a script"}},
+    .options = options,
+    .noptions = sizeof options / sizeof *options,
+    .more = "Builds the microstructure for its fractions. Inclusions are seen as "
+            "cylinders (disks),\n"
+            "spheres, spheroids or layers; a method that does not apply says why.\n"
+            "exit codes: 0 done, 2 usage, 3 case not admissible, 5 file or memory",
+};
 
 /* One method and what came of it. */
 typedef struct bounds_row {
@@ -46,53 +49,6 @@ typedef struct bounds_row {
     ph_engineering engineering; /* NaN where there are none */
     char reason[512];           /* why not valid, or why there are no constants */
 } bounds_row;
-
-/* false: wrong usage, said on stderr. */
-static bool parse(int argc, char **argv, bounds_options *o)
-{
-    for (int i = 1; i < argc; i++) {
-        const char *a = argv[i];
-        if (strcmp(a, "-h") == 0 || strcmp(a, "--help") == 0) {
-            o->help = true;
-        } else if (strcmp(a, "--json") == 0) {
-            o->json = true;
-        } else if (strcmp(a, "--set") == 0 && i + 1 < argc) {
-            o->sets[o->nsets++] = argv[++i];
-        } else if (strncmp(a, "--set=", 6) == 0) {
-            o->sets[o->nsets++] = a + 6;
-        } else if (a[0] == '-') {
-            fprintf(stderr, "perihom bounds: unknown or incomplete option '%s'\n%s", a,
-                    usage);
-            return false;
-        } else if (o->path) {
-            fprintf(stderr, "perihom bounds: one case at a time, got '%s' and '%s'\n%s",
-                    o->path, a, usage);
-            return false;
-        } else {
-            o->path = a;
-        }
-    }
-    if (o->path || o->help) return true;
-    fprintf(stderr, "perihom bounds: which case?\n%s", usage);
-    return false;
-}
-
-static ph_status read_case(const bounds_options *o, ph_case **c, ph_error *err)
-{
-    ph_case_issues issues = {0};
-    ph_status st = ph_case_read(o->path, o->sets, o->nsets, c, &issues, err);
-    for (size_t i = 0; i < issues.count; i++) {
-        if (issues.item[i].line > 0)
-            fprintf(stderr, "%s:%d: %s\n", o->path, issues.item[i].line,
-                    issues.item[i].message);
-        else
-            fprintf(stderr, "%s: %s\n", o->path, issues.item[i].message);
-    }
-    if (st != PH_OK && issues.count == 0)
-        fprintf(stderr, "perihom bounds: %s\n", err->msg);
-    ph_case_issues_free(&issues);
-    return st;
-}
 
 static bounds_row evaluate(const bounds_composite *b, const ph_estimate_method *m)
 {
@@ -243,50 +199,39 @@ static ph_status print_json(const ph_case *c, const bounds_composite *b,
     return st;
 }
 
-static ph_status run(const bounds_options *o)
+static ph_status bounds_of(const ph_case *c, bool json, ph_error *err)
 {
-    ph_error err = PH_ERROR_INIT;
-    ph_case *c = NULL;
+    ph_status st = PH_OK;
     bounds_composite b = {0};
     bounds_row *rows = NULL;
-    ph_status st = read_case(o, &c, &err);
-    if (st != PH_OK) return st; /* already said */
-    st = bounds_composite_init(c, &b, &err);
-    if (st != PH_OK) goto out;
+    PH_TRY(bounds_composite_init(c, &b, err));
     rows = calloc(ph_nestimate_methods, sizeof *rows);
-    if (!rows) {
-        st = ph_error_set(&err, PH_ENOMEM, __FILE__, __LINE__, "no memory for the table");
-        goto out;
-    }
+    PH_CHECK(rows, PH_ENOMEM, "no memory for the table");
     for (size_t i = 0; i < ph_nestimate_methods; i++)
         rows[i] = evaluate(&b, &ph_estimate_methods[i]);
-    if (b.note[0]) fprintf(stderr, "perihom bounds: %s\n", b.note);
-    if (o->json)
-        st = print_json(c, &b, rows, &err);
+    if (b.note[0]) talk("%s", b.note);
+    if (json)
+        PH_TRY(print_json(c, &b, rows, err));
     else
         print_table(c, &b, rows);
-    if (st == PH_OK && fflush(stdout) != 0)
-        st = ph_error_set(&err, PH_EIO, __FILE__, __LINE__, "could not write the output");
 out:
-    if (st != PH_OK) fprintf(stderr, "perihom bounds: %s\n", err.msg);
     free(rows);
     bounds_composite_free(&b);
-    ph_case_free(&c);
     return st;
 }
 
 int cmd_bounds(int argc, char **argv)
 {
     bounds_options o = {0};
-    o.sets = calloc((size_t)argc + 1, sizeof *o.sets);
-    if (!o.sets) return ph_status_exit_code(PH_ENOMEM);
-    int code = ph_status_exit_code(PH_EUSAGE);
-    if (parse(argc, argv, &o)) {
-        if (o.help)
-            code = fputs(help, stdout) < 0 ? ph_status_exit_code(PH_EIO) : 0;
-        else
-            code = ph_status_exit_code(run(&o));
+    ph_case *c = NULL;
+    ph_error err = PH_ERROR_INIT;
+    int code = options_parse(&bounds_verb, argc, argv, &o);
+    if (code < 0) {
+        code = case_load(o.operands.item[0], &o.set, &c);
+        if (code == 0 && bounds_of(c, o.json, &err) != PH_OK) code = talk_error(&err);
     }
-    free(o.sets);
+    ph_case_free(&c);
+    free(o.operands.item);
+    free(o.set.item);
     return code;
 }
