@@ -38,6 +38,7 @@ static void test_nearest_name(void **state)
     CHECK(strcmp(nearest("stabilization"), "stabilisation") == 0);
     CHECK(strcmp(nearest("plane_strain"), "plane_stress") == 0);
     CHECK(strcmp(nearest("mu"), "nu") == 0);
+    CHECK(strcmp(nearest("un"), "nu") == 0); /* a swap is one slip */
     CHECK(strcmp(nearest("e"), "E") == 0);
     CHECK(strcmp(nearest("x"), "") == 0);
     CHECK(strcmp(nearest("temperature"), "") == 0);
