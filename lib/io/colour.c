@@ -84,7 +84,7 @@ ph_i_colour ph_i_material_colour(int i, bool is_void)
     return ph_i_oklch(0.45 + 0.1 * (i % 5), 0.13, fmod(137.50776405 * i, 360));
 }
 
-ph_i_colour ph_i_mix(ph_i_colour a, ph_i_colour b, double f)
+ph_i_colour ph_i_mix_colours(ph_i_colour a, ph_i_colour b, double f)
 {
     return (ph_i_colour){
         code_of_light((1 - f) * light_of_code(a.r) + f * light_of_code(b.r)),

@@ -79,7 +79,7 @@ static void put_letter(ph_i_picture *p, int x, int y, int scale, char letter,
                                    (b + (s / SAMPLES + 0.5) / SAMPLES) / scale);
             if (hits == 0 || px < 0 || py < 0 || px >= p->width || py >= p->height) continue;
             ph_i_colour *to = &p->pixel[(size_t)py * (size_t)p->width + (size_t)px];
-            *to = ph_i_mix(*to, colour, hits / (double)(SAMPLES * SAMPLES));
+            *to = ph_i_mix_colours(*to, colour, hits / (double)(SAMPLES * SAMPLES));
         }
 }
 

@@ -257,7 +257,7 @@ static void draw_phases(page *p, const slice *s, const ph_microstructure *micro)
                 if (cut->base >= 0)
                     colour = ph_i_material_colour(cut->base,
                                                   micro->materials[cut->base].is_void);
-                colour = ph_i_mix(colour,
+                colour = ph_i_mix_colours(colour,
                                   ph_i_material_colour(cut->material,
                                                        micro->materials[cut->material].is_void),
                                   cut->fraction);
