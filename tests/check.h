@@ -4,7 +4,7 @@
 #ifndef TESTS_CHECK_H
 #define TESTS_CHECK_H
 
-#include <cmocka.h>
+/* clang-format off: cmocka.h needs the others before it */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,6 +13,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
+/* clang-format on */
 
 static int check_failures;
 

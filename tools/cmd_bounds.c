@@ -7,6 +7,9 @@
 #include <jansson.h>
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 typedef struct bounds_options {
     text_list operands, set;
@@ -23,18 +26,19 @@ static const verb_spec bounds_verb = {
     .operands_min = 1,
     .operands_max = 1,
     .operands_offset = offsetof(bounds_options, operands),
-    .example =
-        {{"perihom bounds boron-aluminium.yaml",
-          "every method of `perihom list estimates`, or why it does not apply"},
-         {"perihom bounds case.yaml --set materials.fibre.E=230",
-          "the same for a stiffer fibre"},
-         {"perihom bounds case.yaml --json | jq '.methods[] | {name, engineering}'",
-          "the constants, for a script"}},
+    .example = {{"perihom bounds data/cases/boron-aluminium.yaml",
+                 "Voigt, Reuss, Hashin-Shtrikman, Mori-Tanaka and more, as a table"},
+                {"perihom bounds case.yaml --set materials.fibre.E=230",
+                 "with another fibre"},
+                {"perihom bounds case.yaml --json | jq '.methods[] | {name, E1: "
+                 ".engineering.E1}'",
+                 "the document perihom.bounds/1, for a script"}},
     .options = options,
     .noptions = sizeof options / sizeof *options,
-    .more = "Inclusions are seen as cylinders, spheres, spheroids or layers, all in one "
-            "direction.\n"
-            "exit codes: 0 done, 2 usage, 3 not admissible, 5 file or memory",
+    .more = "Builds the microstructure for its fractions. Inclusions are seen as "
+            "cylinders (disks),\n"
+            "spheres, spheroids or layers; a method that does not apply says why.\n"
+            "exit codes: 0 done, 2 usage, 3 case not admissible, 5 file or memory",
 };
 
 /* One method and what came of it. */
@@ -171,7 +175,6 @@ static json_t *json_row(const bounds_row *r, ph_kinematics kin)
 static ph_status print_json(const ph_case *c, const bounds_composite *b,
                             const bounds_row *rows, ph_error *err)
 {
-    ph_status st = PH_OK;
     const char *notation = ph_strains(c->kinematics) == 3
                                ? "voigt 11 22 12, engineering shear"
                                : "voigt 11 22 33 23 13 12, engineering shear";
@@ -186,11 +189,12 @@ static ph_status print_json(const ph_case *c, const bounds_composite *b,
         "stress", c->unit_stress, "time", c->unit_time, "fractions", fractions, "matrix",
         b->material[0].name, "shape", bounds_shape_name(b->composite.shape), "aspect",
         b->composite.aspect, "note", b->note, "notation", notation, "methods", methods);
-    PH_CHECK(root, PH_ENOMEM, "no memory for the document");
-    PH_CHECK(json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0,
-             PH_EIO, "could not write the document");
-    putchar('\n');
-out:
+    ph_status st = PH_OK;
+    if (!root || json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) != 0)
+        st = ph_error_set(err, PH_EIO, __FILE__, __LINE__,
+                          "could not write the JSON document");
+    else
+        printf("\n");
     json_decref(root);
     return st;
 }
@@ -210,7 +214,6 @@ static ph_status bounds_of(const ph_case *c, bool json, ph_error *err)
         PH_TRY(print_json(c, &b, rows, err));
     else
         print_table(c, &b, rows);
-    PH_CHECK(fflush(stdout) == 0, PH_EIO, "could not write the output");
 out:
     free(rows);
     bounds_composite_free(&b);

@@ -5,6 +5,8 @@
 
 #include <jansson.h>
 
+#include <string.h>
+
 typedef struct check_options {
     text_list operands, set;
     bool json;
@@ -32,36 +34,86 @@ static const verb_spec check_verb = {
             "memory",
 };
 
-static void put_scalar(FILE *to, const json_t *value)
+/* The fewest digits that read back as the same number. */
+static void put_real(FILE *to, double x)
 {
-    char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
-    fputs(text ? text : "null", to);
-    free(text);
+    char text[40];
+    int digits = 6;
+    do
+        snprintf(text, sizeof text, "%.*g", digits, x);
+    while (strtod(text, NULL) != x && digits++ < 17);
+    /* YAML wants a point in a number with an exponent */
+    char *e = strchr(text, 'e');
+    if (e && !strchr(text, '.'))
+        fprintf(to, "%.*s.0%s", (int)(e - text), text, e);
+    else
+        fprintf(to, "%s", text);
 }
 
-/* Lists of scalars on one line, maps and lists of maps indented. */
-static void put_yaml(FILE *to, const json_t *value, int indent)
+/* JSON on one line, which is YAML too. */
+static void put_flow(FILE *to, const json_t *value)
 {
-    if (json_is_object(value) && json_object_size(value) > 0) {
-        const char *key;
-        json_t *item;
-        json_object_foreach((json_t *)(size_t)value, key, item)
-        {
-            bool block = json_is_object(item) && json_object_size(item) > 0;
-            fprintf(to, "\n%*s%s:", indent, "", key);
-            if (!block) fputc(' ', to);
-            put_yaml(to, item, indent + 2);
-        }
-    } else if (json_is_array(value) && json_is_object(json_array_get(value, 0))) {
-        size_t i;
-        json_t *item;
+    const char *key, *comma = "";
+    json_t *item;
+    size_t i;
+    if (json_is_real(value)) {
+        put_real(to, json_real_value(value));
+    } else if (json_is_array(value)) {
+        fputc('[', to);
         json_array_foreach(value, i, item)
         {
-            fprintf(to, "\n%*s- ", indent, "");
-            put_scalar(to, item);
+            fputs(i ? ", " : "", to);
+            put_flow(to, item);
         }
+        fputc(']', to);
+    } else if (json_is_object(value)) {
+        fputc('{', to);
+        json_object_foreach((json_t *)(size_t)value, key, item)
+        {
+            fprintf(to, "%s%s: ", comma, key);
+            comma = ", ";
+            put_flow(to, item);
+        }
+        fputc('}', to);
     } else {
-        put_scalar(to, value);
+        char *text = json_dumps(value, JSON_ENCODE_ANY);
+        fputs(text ? text : "null", to);
+        free(text);
+    }
+}
+
+static bool is_block(const json_t *value)
+{
+    return (json_is_object(value) && json_object_size(value) > 0) ||
+           json_is_object(json_array_get(value, 0));
+}
+
+/* Maps and lists of maps are indented, the rest stands on one line. */
+static void put_yaml(FILE *to, const json_t *map, int indent)
+{
+    const char *key;
+    json_t *value, *item;
+    size_t i;
+    json_object_foreach((json_t *)(size_t)map, key, value)
+    {
+        fprintf(to, "%*s%s:", indent, "", key);
+        if (json_is_object(value) && is_block(value)) {
+            fputc('\n', to);
+            put_yaml(to, value, indent + 2);
+            continue;
+        }
+        fputc(is_block(value) ? '\n' : ' ', to);
+        if (!is_block(value)) {
+            put_flow(to, value);
+            fputc('\n', to);
+            continue;
+        }
+        json_array_foreach(value, i, item)
+        {
+            fprintf(to, "%*s- ", indent + 2, "");
+            put_flow(to, item);
+            fputc('\n', to);
+        }
     }
 }
 
@@ -70,14 +122,7 @@ static void print_text(const json_t *resolved, const ph_case *c,
                        const ph_estimate *e)
 {
     char bytes[32], seconds[32];
-    const char *key;
-    json_t *item;
-    json_object_foreach((json_t *)(size_t)resolved, key, item)
-    {
-        printf("%s:%s", key, json_is_object(item) ? "" : " ");
-        put_yaml(stdout, item, 2);
-        putchar('\n');
-    }
+    put_yaml(stdout, resolved, 0);
     printf("\n# %s, %td nodes, %td unknowns\n", report_kinematics(c->kinematics),
            e->nodes, e->unknowns);
     printf("# phases:");

@@ -37,7 +37,7 @@ static size_t gather(ph_catalogue all[MAX_CATALOGUES])
     for (const ph_catalogue *c = ph_catalogues(); c->name && n < MAX_CATALOGUES - 2; c++)
         all[n++] = *c;
     all[n++] = (ph_catalogue){"shapes", "inclusions that a case can place", ph_shapes,
-                              ph_nshapes, sizeof *ph_shapes};
+                              &ph_nshapes, sizeof *ph_shapes};
     all[n++] =
         (ph_catalogue){"materials", "built-in material data", NULL, 0, sizeof(ph_entry)};
     return n;
@@ -46,7 +46,7 @@ static size_t gather(ph_catalogue all[MAX_CATALOGUES])
 static json_t *entries_json(const ph_catalogue *c)
 {
     json_t *list = json_array();
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < *c->count; i++) {
         const ph_entry *e = ph_catalogue_entry(c, i);
         json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:s}", "name", e->name,
                                               "title", e->title, "valid", e->valid,
@@ -72,13 +72,13 @@ static void put_json(const ph_catalogue *all, size_t n)
 static void put_overview(const ph_catalogue *all, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        printf("%-14s %3zu  %s\n", all[i].name, all[i].count, all[i].title);
+        printf("%-14s %3zu  %s\n", all[i].name, *all[i].count, all[i].title);
 }
 
 static void put_entries(const ph_catalogue *c)
 {
-    if (c->count == 0) printf("no %s in this build\n", c->name);
-    for (size_t i = 0; i < c->count; i++) {
+    if (*c->count == 0) printf("no %s in this build\n", c->name);
+    for (size_t i = 0; i < *c->count; i++) {
         const ph_entry *e = ph_catalogue_entry(c, i);
         printf("%-20s %s\n", e->name, e->title);
         if (e->valid[0]) printf("%-20s valid: %s\n", "", e->valid);

@@ -55,6 +55,7 @@ static const verb_spec run_verb = {
 /* Everything that a run owns. */
 typedef struct run {
     const run_options *options;
+    const char *command; /* for the provenance */
     const char *dir;
     ph_case *c;
     char *case_json;
@@ -149,10 +150,10 @@ out:
     return st;
 }
 
-static int run_with(const run_options *o)
+static int run_with(const run_options *o, const char *command)
 {
     ph_error err = PH_ERROR_INIT;
-    run r = {.options = o};
+    run r = {.options = o, .command = command};
     const char *path = o->operands.item[0];
     int code = case_load(path, &o->set, &r.c);
     if (code == 0) {
@@ -170,11 +171,25 @@ static int run_with(const run_options *o)
     return code;
 }
 
+/* The words again, quoted where a shell would need it, cut at `size`. */
+static void command_line(int argc, char **argv, char *text, size_t size)
+{
+    size_t at = (size_t)snprintf(text, size, "perihom");
+    for (int i = 0; i < argc && at < size; i++) {
+        bool plain = argv[i][0] && !strpbrk(argv[i], " \t\n'\"\\$`*?[]{}()<>|&;#~!");
+        at += (size_t)snprintf(text + at, size - at, plain ? " %s" : " '%s'", argv[i]);
+    }
+}
+
 int cmd_run(int argc, char **argv)
 {
     run_options o = {0};
     int code = options_parse(&run_verb, argc, argv, &o);
-    if (code < 0) code = run_with(&o);
+    char command[2048];
+    if (code < 0) {
+        command_line(argc, argv, command, sizeof command);
+        code = run_with(&o, command);
+    }
     free(o.operands.item);
     free(o.set.item);
     return code;

@@ -28,8 +28,7 @@ progress_style progress_choose(bool quiet, bool verbose, bool forced)
 void progress_start(progress *p, progress_style style)
 {
     *p = (progress){.style = style, .start = now_seconds()};
-    p->shown =
-        style == PROGRESS_LINES ? p->start : -HUGE_VAL; /* the others show at once */
+    p->shown = style == PROGRESS_BAR ? -HUGE_VAL : p->start; /* the bar shows at once */
 }
 
 double progress_share(double first, double residual, double tolerance)

@@ -62,8 +62,9 @@ static void put_constant(FILE *to, const char *name, double value, const char *u
                          double lower, double upper)
 {
     if (isnan(value)) return;
-    fprintf(to, "  %-5s %12.5g  %-6s", name, value, unit);
-    if (!isnan(upper)) fprintf(to, "  %10.5g .. %.5g", isnan(lower) ? 0.0 : lower, upper);
+    fprintf(to, "  %-5s %12.5g", name, value);
+    if (!isnan(upper))
+        fprintf(to, "  %-6s  %10.5g .. %.5g", unit, isnan(lower) ? 0.0 : lower, upper);
     fputc('\n', to);
 }
 
@@ -94,7 +95,7 @@ static void put_engineering(FILE *to, const char *stress, const ph_result *r)
         for (int j = 0; j < 3; j++)
             if (i != j)
                 put_constant(to, (char[]){'n', 'u', (char)('1' + i), (char)('1' + j), 0},
-                             e.nu[i][j], "-", NAN, NAN);
+                             e.nu[i][j], "", NAN, NAN);
     put_constant(to, "G23", e.G23, stress, low.G23, up.G23);
     put_constant(to, "G13", e.G13, stress, low.G13, up.G13);
     put_constant(to, "G12", e.G12, stress, low.G12, up.G12);

@@ -160,7 +160,7 @@ static json_t *constraint_to_json(const ph_case *c, bool *good)
     json_t *map = json_object();
     const char *kind = p->kind ? p->kind : "periodic";
     put(map, "kind", json_string(kind), good);
-    const char *collar = "periodic";
+    const char *collar = p->collar == PH_COLLAR_PERIODIC ? "periodic" : "inside";
     if (p->collar == PH_COLLAR_MATRIX)
         collar = !c->voxels.file[0] && p->collar_material == c->matrix
                      ? "matrix"

@@ -97,18 +97,20 @@ void ph_i_read_model(ph_i_reader *r, const ph_i_node *node)
     if (model->points == PH_POINTS_NODES && model->horizon == 0) model->horizon = 2;
 }
 
-/* periodic continuation, the matrix, or any material. */
+/* inside the RVE, or outside: periodic continuation, the matrix, any material. */
 static void read_collar(ph_i_reader *r, const ph_i_node *node, ph_constraint_params *out)
 {
     if (strcmp(out->kind, "linear_displacement") != 0) {
         ph_i_complain(r, node, PH_EINVAL, "belongs to linear_displacement only");
     } else if (ph_i_is_word(node, "matrix") && r->c->voxels.file[0]) {
         ph_i_reject(r, node, PH_EINVAL,
-                    "voxels have no matrix: must be periodic or a material");
+                    "voxels have no matrix: must be inside, periodic or a material");
     } else if (ph_i_is_word(node, "matrix")) {
         out->collar = PH_COLLAR_MATRIX;
         out->collar_material = r->c->matrix;
-    } else if (!ph_i_is_word(node, "periodic")) {
+    } else if (ph_i_is_word(node, "periodic")) {
+        out->collar = PH_COLLAR_PERIODIC;
+    } else if (!ph_i_is_word(node, "inside")) {
         int i = ph_i_read_material(r, node);
         out->collar = PH_COLLAR_MATRIX;
         if (i >= 0) out->collar_material = i;

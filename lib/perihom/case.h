@@ -22,10 +22,10 @@ typedef struct ph_inclusion {
     double semi_axes[3]; /* ellipse (2), ellipsoid (3) */
     double size[3];      /* box */
     double angle;        /* ellipse, box: about axis 3 */
-    double axis[3];      /* ellipsoid: direction of the first semi-axis; cylinder: its axis */
-    double length;       /* cylinder */
-    int normal;          /* layer: 1, 2 or 3; 0: not given */
-    double from, to;     /* layer */
+    double axis[3];  /* ellipsoid: direction of the first semi-axis; cylinder: its axis */
+    double length;   /* cylinder */
+    int normal;      /* layer: 1, 2 or 3; 0: not given */
+    double from, to; /* layer */
 } ph_inclusion;
 
 /** A voxel file instead of matrix and inclusions. */
@@ -63,8 +63,8 @@ typedef struct ph_case {
 
 /** One complaint about a case file. */
 typedef struct ph_case_issue {
-    int line;     /* 1-based, 0: --set or the file as a whole */
-    bool warning; /* the case can be used as it is */
+    int line;          /* 1-based, 0: --set or the file as a whole */
+    bool warning;      /* the case can be used as it is */
     char message[400]; /* "key.path: ...", one line without the file's name */
 } ph_case_issue;
 
