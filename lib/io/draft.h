@@ -24,7 +24,7 @@ ph_status ph_i_draft_commit(ph_i_draft *draft, ph_error *err);
 /** Remove the draft if it was not committed. Does nothing on a zeroed draft. */
 void ph_i_draft_discard(ph_i_draft *draft);
 
-/** PH_EIO with "cannot <verb> '<path>': <what errno says>". */
+/** PH_EIO (PH_ENOMEM where errno says so) with "cannot <verb> '<path>': <what errno says>". */
 ph_status ph_i_io_error(ph_error *err, const char *verb, const char *path, int number);
 
 #endif

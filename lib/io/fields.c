@@ -305,7 +305,12 @@ static ph_status write_hdf5(ph_i_draft *draft, const char *path,
     PH_TRY(ph_i_draft_begin(draft, path, err));
     PH_CHECK(!draft->in_place, PH_EIO, "cannot write '%.300s': not a regular file", path);
     PH_HDF5(access = ph_i_hdf5_sink_access(&w.sink), "write");
-    PH_HDF5(w.file = H5Fcreate(draft->path, H5F_ACC_TRUNC, H5P_DEFAULT, access), "write");
+    w.file = H5Fcreate(draft->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    if (w.file < 0 && w.sink.failed) { /* clearer than what HDF5 makes of it */
+        st = ph_i_io_error(err, "write", path, w.sink.failed);
+        goto out;
+    }
+    PH_HDF5(w.file, "write");
     PH_TRY(write_all(&w, micro, result, c, err));
 out:
     if (w.file >= 0 && H5Fclose(w.file) < 0 && st == PH_OK)

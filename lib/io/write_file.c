@@ -19,7 +19,7 @@ ph_status ph_i_io_error(ph_error *err, const char *verb, const char *path, int n
                        : number == ENOTDIR ? " (a part of the path is a file)"
                        : number == EFBIG   ? " (file size limit of this process)"
                                            : "";
-    return PH_FAIL(err, PH_EIO, "cannot %s '%.300s': %s%s", verb, path, text, hint);
+    return PH_FAIL(err, number == ENOMEM ? PH_ENOMEM : PH_EIO, "cannot %s '%.300s': %s%s", verb, path, text, hint);
 }
 
 /* Length of the folder part of a path, the slash not counted; 0: no slash. */
