@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* libperihom-rve: microstructures from shapes and from voxel files. Uses libperihom; the
- * library never uses it. */
+ * library never uses it. Theory: docs/theory/microstructure.md. */
 #ifndef PERIHOM_RVE_H
 #define PERIHOM_RVE_H
 
@@ -10,34 +10,97 @@
 extern "C" {
 #endif
 
-/** A solid that can be placed in the periodic box. All coordinates are relative to the
- *  centre of the solid and already wrapped to the nearest periodic image. */
+/** How a solid ends along one of its own axes. */
+typedef enum ph_extent {
+    PH_EXTENT_FREE, /* nowhere: it goes through the box */
+    PH_EXTENT_FLAT, /* at a plane, |y| <= half */
+    PH_EXTENT_ROUND /* together with the other round axes: sum (y / half)^2 <= 1 */
+} ph_extent;
+
+/** A convex solid: every shape of the catalogue is one of these. With y the coordinates
+ *  of a point in the solid's own frame, y_i = frame_i . (x - centre),
+ *
+ *      sum over round axes (y_i / half_i)^2 <= 1   and   |y_i| <= half_i on flat axes.
+ *
+ *  Three round axes: ellipsoid; two: (elliptic) cylinder, or an ellipse in 2D; none: box. */
+typedef struct ph_solid {
+    double centre[3];
+    double frame[3][3]; /* rows: the solid's axes, orthonormal */
+    ph_extent kind[3];
+    double half[3];   /* half length along each axis, > 0; INFINITY where free */
+    double bounds[3]; /* half extents along the axes of the grid, INFINITY where free */
+    int slice;        /* grid axis across which its sections are areas of known form */
+    bool prism;       /* those sections are all alike between its two ends */
+} ph_solid;
+
+/** A shape of the case file. */
 typedef struct ph_shape {
     ph_entry info;
-    int dimensions; /* 2, 3, or 0 for both */
-    /* Signed distance-like level of point p (< 0 inside), and the unit outward normal. */
-    double (*level)(const ph_inclusion *inc, const double p[3], double normal[3]);
-    /* Half extents of a box around the solid, for the search. */
-    void (*bounds)(const ph_inclusion *inc, double half[3]);
-    /* Volume (2D: area) of the solid, before overlaps. */
-    double (*volume)(const ph_inclusion *inc);
-    /* Exact share of the cell with centre p and edges h inside the solid, or NULL:
-     * supersampled. */
-    double (*overlap)(const ph_inclusion *inc, const double p[3], const double h[3]);
+    int dimensions;         /* 2, 3, or 0 for both */
+    const char *parameters; /* keys of the case file, for people */
+    /** Frame, kinds and half lengths from the inclusion; used by ph_shape_place. */
+    ph_status (*place)(const ph_inclusion *inc, const ph_grid *grid, ph_solid *solid,
+                       ph_error *err);
 } ph_shape;
 PH_API extern const ph_shape ph_shapes[];
 PH_API extern const size_t ph_nshapes;
+/** The shape called `name`, or NULL. */
+PH_API const ph_shape *ph_shape_find(const char *name);
+/** The solid that an inclusion describes, in a box of this size.
+ *
+ *  fraction (disk, sphere): the radius at which the periodic array fills that fraction of
+ *  the box, images that overlap counted once. axis (ellipsoid, cylinder): the first axis of
+ *  the frame; the second is the grid axis most across it (the lowest of equals), made
+ *  perpendicular, the third completes a right-handed frame. A cylinder along a grid axis
+ *  with no length, or one of at least the box, goes through it.
+ *  @return PH_OK; PH_EINVAL with what is missing or wrong. */
+PH_API ph_status ph_shape_place(const ph_inclusion *inc, const ph_grid *grid,
+                                ph_solid *solid, ph_error *err);
 
-/** The microstructure of a case: shapes painted in order, or the voxel file.
- *  Cut cells are found and described unless the case says node_centre. */
+/** Distance-like level of point x: negative inside, positive outside, never larger in
+ *  magnitude than the distance to the surface (equal to it for disks, spheres, flat faces).
+ *  @param[out] normal unit outward normal of the level surface through x, or NULL */
+PH_API double ph_solid_level(const ph_solid *solid, const double x[3], double normal[3]);
+/** Volume of the solid inside the box lo..hi; `dimensions` 2: area in the plane of axes 1
+ *  and 2. Exact to rounding in 2D and for prisms along an axis; else one-dimensional
+ *  adaptive quadrature of exact sections, absolute error below 1e-5 of the box (mostly far
+ *  below: 1e-8 is asked of each quadrature). */
+PH_API double ph_solid_overlap(const ph_solid *solid, int dimensions, const double lo[3],
+                               const double hi[3]);
+/** Integral of the outward normal over the part of the solid's surface in the box lo..hi:
+ *  by the divergence theorem the area of the solid on the lower face minus that on the
+ *  upper one, axis by axis. Exact to rounding. */
+PH_API void ph_solid_area_vector(const ph_solid *solid, int dimensions,
+                                 const double lo[3], const double hi[3], double area[3]);
+
+/** The microstructure of a case: shapes painted in order on the periodic box, or the voxel
+ *  file. Unless the case says node_centre, every cell that a surface passes through gets its
+ *  cuts (ph_cut). The fractions of a cell with several inclusions are those that can be
+ *  seen: ph_microstructure_fractions is the volume of the painted picture.
+ *  @return PH_OK; PH_EINVAL with the line of the inclusion; PH_EIO, PH_ENOMEM.
+ *  Cost: the cells of each inclusion's bounding box, geometry only at its surface.
+ *  Tested: tests/unit/test_build.c, tests/laws/test_painting.c */
 PH_API ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err);
 
-/** Voxel values of a file, by its ending: .h5, .npy, .png, .raw. Values are 0..65535.
- *  @param[in,out] n cells per axis; for .raw they must be given, else they are found
- *  @param[out] values malloc'd, [n0][n1][n2], caller frees */
-PH_API ph_status ph_rve_read_voxels(const char *path, const char *dataset, const char *type,
-                                    int dimensions, ptrdiff_t n[3], uint16_t **values,
-                                    ph_error *err);
+/** Voxel values of a file, by its ending: .h5 .hdf5, .npy, .png, .raw. Values are 0..65535.
+ *  Never takes more memory than a small multiple of what the file holds.
+ *  @param[in] dataset  .h5: path of the dataset; else not used
+ *  @param[in] type     .raw: "uint8", "uint16" or "int32", little-endian; else not used
+ *  @param[in,out] n    cells per axis; for .raw they must be given, else zeros: they are
+ *                      found; given ones must agree. Missing axes are 1.
+ *  @param[out] values  malloc'd, [n0][n1][n2], caller frees
+ *  A picture is [width][height]: axis 1 to the right, axis 2 up.
+ *  @return PH_OK; PH_EINVAL for what the file says; PH_EIO if it cannot be read; PH_ENOMEM */
+PH_API ph_status ph_rve_read_voxels(const char *path, const char *dataset,
+                                    const char *type, int dimensions, ptrdiff_t n[3],
+                                    uint16_t **values, ph_error *err);
+/** Write voxel values by the ending of the path: .npy and .raw (uint8 if all values fit,
+ *  else uint16; `type` of .raw "uint8" or "uint16"), .h5 (dataset, default "/phase").
+ *  ph_rve_read_voxels gives the same values back. Replaces the file only when whole. */
+PH_API ph_status ph_rve_write_voxels(const char *path, const char *dataset,
+                                     const char *type, int dimensions,
+                                     const ptrdiff_t n[3], const uint16_t *values,
+                                     ph_error *err);
 
 #ifdef __cplusplus
 }

@@ -1,27 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <perihom/catalogue.h>
-#include <perihom/estimates.h>
 
 #include <limits.h>
 #include <string.h>
-
-/* The lengths of the arrays live in other files, so the table is completed before main and
- * only read afterwards. */
-static ph_catalogue catalogues[] = {
-    {"estimates", "analytic bounds and estimates", ph_estimate_methods, 0,
-     sizeof(ph_estimate_method)},
-    {NULL, NULL, NULL, 0, 0},
-};
-
-__attribute__((constructor)) static void count_entries(void)
-{
-    catalogues[0].count = ph_nestimate_methods;
-}
-
-const ph_catalogue *ph_catalogues(void)
-{
-    return catalogues;
-}
 
 const ph_entry *ph_catalogue_entry(const ph_catalogue *catalogue, size_t i)
 {
@@ -31,7 +12,7 @@ const ph_entry *ph_catalogue_entry(const ph_catalogue *catalogue, size_t i)
 
 int ph_catalogue_find(const ph_catalogue *catalogue, const char *name)
 {
-    for (size_t i = 0; name && i < catalogue->count; i++)
+    for (size_t i = 0; name && i < *catalogue->count; i++)
         if (strcmp(ph_catalogue_entry(catalogue, i)->name, name) == 0) return (int)i;
     return -1;
 }

@@ -2,11 +2,11 @@
 #include <perihom/tensor.h>
 
 #include "core/check.h"
+#include "effective/directions.h"
 
 #include <math.h>
 
-/* N[a][i]: Mandel strain a of sym(e_i (x) n). */
-static void normal_matrix(int n, const double normal[3], double N[6][3])
+void ph_i_normal_matrix(int n, const double normal[3], double N[6][3])
 {
     const double h = sqrt(0.5);
     const double x = normal[0], y = normal[1], z = n == 3 ? 0.0 : normal[2];
@@ -18,8 +18,7 @@ static void normal_matrix(int n, const double normal[3], double N[6][3])
             N[a][i] = n == 3 ? three[a][i] : six[a][i];
 }
 
-/* Inverse of a symmetric d x d matrix, d = 2 or 3, by cofactors; false if not positive. */
-static bool invert_small(int d, double M[3][3], double R[3][3])
+bool ph_i_invert_small(int d, double M[3][3], double R[3][3])
 {
     if (d == 2) M[2][2] = 1.0;
     double det = 0.0;
@@ -37,10 +36,9 @@ static bool invert_small(int d, double M[3][3], double R[3][3])
     return true;
 }
 
-/* Z = N^T C N and, for the difference, the n x d matrix D N. */
-static void contract(const ph_sym4 *c, double N[6][3], int d, double CN[6][3],
-                     double Z[3][3])
+void ph_i_contract(const ph_sym4 *c, double N[6][3], double CN[6][3], double Z[3][3])
 {
+    const int d = c->n == 3 ? 2 : 3;
     for (int a = 0; a < c->n; a++)
         for (int i = 0; i < d; i++) {
             CN[a][i] = 0.0;
@@ -53,6 +51,27 @@ static void contract(const ph_sym4 *c, double N[6][3], int d, double CN[6][3],
             for (int a = 0; a < c->n; a++)
                 Z[i][j] += N[a][i] * CN[a][j];
         }
+}
+
+bool ph_i_gamma(const ph_sym4 *c, const double normal[3], ph_sym4 *gamma)
+{
+    const int d = c->n == 3 ? 2 : 3;
+    double N[6][3], CN[6][3], Z[3][3] = {{0}}, R[3][3];
+    ph_i_normal_matrix(c->n, normal, N);
+    ph_i_contract(c, N, CN, Z);
+    if (!ph_i_invert_small(d, Z, R)) return false;
+    ph_sym4 g = {.n = c->n};
+    for (int a = 0; a < g.n; a++) {
+        double NR[3] = {0.0, 0.0, 0.0};
+        for (int i = 0; i < d; i++)
+            for (int j = 0; j < d; j++)
+                NR[j] += N[a][i] * R[i][j];
+        for (int b = 0; b < g.n; b++)
+            for (int j = 0; j < d; j++)
+                g.m[a][b] += NR[j] * N[b][j];
+    }
+    *gamma = g;
+    return true;
 }
 
 static ph_status check_laminate(const ph_sym4 *c1, const ph_sym4 *c2, double fraction2,
@@ -83,15 +102,15 @@ ph_status ph_sym4_laminate(const ph_sym4 *c1, const ph_sym4 *c2, double fraction
     if (f1 > 0.0 && f2 > 0.0 && !hole) {
         double N[6][3], DN[6][3], Z1[3][3], Z2[3][3], M[3][3] = {{0}}, R[3][3];
         ph_sym4 D = ph_sym4_combine(1.0, c1, -1.0, c2);
-        normal_matrix(n, normal, N);
-        contract(c1, N, d, DN, Z1);
-        contract(c2, N, d, DN, Z2);
+        ph_i_normal_matrix(n, normal, N);
+        ph_i_contract(c1, N, DN, Z1);
+        ph_i_contract(c2, N, DN, Z2);
         for (int i = 0; i < d; i++)
             for (int j = 0; j < d; j++)
                 M[i][j] = f2 * Z1[i][j] + f1 * Z2[i][j];
-        PH_CHECK(invert_small(d, M, R), PH_ESINGULAR,
+        PH_CHECK(ph_i_invert_small(d, M, R), PH_ESINGULAR,
                  "laminate: neither phase resists the strain across the layers");
-        contract(&D, N, d, DN, Z1);
+        ph_i_contract(&D, N, DN, Z1);
         for (int a = 0; a < n; a++)
             for (int b = 0; b < n; b++)
                 for (int i = 0; i < d; i++)

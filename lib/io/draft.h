@@ -10,9 +10,9 @@ enum { PH_I_PATH = 4096 };
 
 typedef struct ph_i_draft {
     char target[PH_I_PATH]; /* what it will be called, symbolic links followed */
-    char path[PH_I_PATH];   /* where to write now: beside the target, in the same folder */
-    bool in_place;          /* the target is a device or a pipe: nothing to rename */
-    bool open;              /* between begin and commit or discard */
+    char path[PH_I_PATH]; /* where to write now: beside the target, in the same folder */
+    bool in_place;        /* the target is a device or a pipe: nothing to rename */
+    bool open;            /* between begin and commit or discard */
 } ph_i_draft;
 
 /** Create the empty draft of `path`.

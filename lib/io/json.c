@@ -26,7 +26,8 @@ json_t *ph_i_json_text(const char *text)
     json_t *value = json_string(text);
     if (value) return value;
     size_t length = strlen(text), odd = 0;
-    for (size_t i = 0; i < length; i++) odd += (unsigned char)text[i] >= 0x80;
+    for (size_t i = 0; i < length; i++)
+        odd += (unsigned char)text[i] >= 0x80;
     if (odd == 0) return NULL; /* ASCII is always admissible: no memory */
     char *plain = malloc(length + 1);
     if (!plain) return NULL;
@@ -37,7 +38,10 @@ json_t *ph_i_json_text(const char *text)
     return value;
 }
 
-json_t *ph_i_json_number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
+json_t *ph_i_json_number(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
+}
 
 ph_status ph_i_json_matrix(int n, const double *a, json_t **out, ph_error *err)
 {

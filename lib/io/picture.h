@@ -21,7 +21,7 @@ ph_i_colour ph_i_diverging(double t);
 /** Colour of material `i`: distinct, the first ones chosen, then by the golden angle. */
 ph_i_colour ph_i_material_colour(int i, bool is_void);
 /** (1-f) a + f b of the light, not of the codes. */
-ph_i_colour ph_i_mix(ph_i_colour a, ph_i_colour b, double f);
+ph_i_colour ph_i_mix_colours(ph_i_colour a, ph_i_colour b, double f);
 
 typedef struct ph_i_picture {
     int width, height;

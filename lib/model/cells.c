@@ -175,46 +175,65 @@ static void gather_nothing(const ph_cells *c, row *r)
     }
 }
 
-/* ---- strain and stress of the modes -------------------------------------------------- */
+/* ---- strain and stress of the modes, four cells at a time ---------------------------- */
 
 #define R2 0.70710678118654752440 /* 1/sqrt(2): Mandel shear */
 
-/* e += strain of sym(v (x) axis d); v += column d of the stress. nd, d compile-time. */
-static inline void add_column(int nd, double *e, int d, const double *v)
+enum { LANES = 4 };
+typedef double vec __attribute__((vector_size(32)));
+typedef double vec_in_memory __attribute__((vector_size(32), aligned(8), may_alias));
+typedef int64_t lanes __attribute__((vector_size(32)));
+
+static inline vec load(const double *a) { return *(const vec_in_memory *)a; }
+
+/* Store the lanes that belong to the run, keep what stands in the others. */
+static inline void store(double *a, vec v, lanes own)
 {
-    if (nd == 3) {
-        e[d] += v[d];
-        e[6 - d - (d + 1) % 3] += R2 * v[(d + 1) % 3];
-        e[6 - d - (d + 2) % 3] += R2 * v[(d + 2) % 3];
-    } else {
-        e[d] += v[d];
+    *(vec_in_memory *)a = (vec)(((lanes)v & own) | ((lanes)load(a) & ~own));
+}
+
+static inline vec all(double x) { return (vec){x, x, x, x}; }
+
+/* e += strain of sym(v (x) axis d). nd, d compile-time. */
+static inline void add_column(int nd, vec *e, int d, const vec *v)
+{
+    e[d] += v[d];
+    if (nd == 2) {
         e[2] += R2 * v[1 - d];
+        return;
     }
+    const int p = (d + 1) % 3, q = (d + 2) % 3;
+    e[6 - d - p] += R2 * v[p];
+    e[6 - d - q] += R2 * v[q];
 }
 
-static inline void take_column(int nd, const double *s, int d, double w, double *v)
+/* v = w * column d of the stress */
+static inline void take_column(int nd, const vec *s, int d, double w, vec *v)
 {
-    if (nd == 3) {
-        v[d] = w * s[d];
-        v[(d + 1) % 3] = w * R2 * s[6 - d - (d + 1) % 3];
-        v[(d + 2) % 3] = w * R2 * s[6 - d - (d + 2) % 3];
-    } else {
-        v[d] = w * s[d];
+    v[d] = w * s[d];
+    if (nd == 2) {
         v[1 - d] = w * R2 * s[2];
+        return;
     }
+    const int p = (d + 1) % 3, q = (d + 2) % 3;
+    v[p] = w * R2 * s[6 - d - p];
+    v[q] = w * R2 * s[6 - d - q];
 }
 
-static inline void hooke(int ns, ph_hooke kind, const double *c, const double *e, double *s)
+static inline void hooke(int ns, ph_hooke kind, const double *c, const vec *e, vec *s)
 {
     const int normal = ns == 6 ? 3 : 2;
     if (kind == PH_HOOKE_ISOTROPIC) {
-        double tr = c[1] * (ns == 6 ? e[0] + e[1] + e[2] : e[0] + e[1]);
+        vec tr = c[1] * (ns == 6 ? e[0] + e[1] + e[2] : e[0] + e[1]);
         double mu2 = c[ns * ns - 1];
-        for (int i = 0; i < ns; i++) s[i] = mu2 * e[i] + (i < normal ? tr : 0.0);
+#pragma GCC unroll 6
+        for (int i = 0; i < ns; i++) s[i] = i < normal ? mu2 * e[i] + tr : mu2 * e[i];
     } else {
+#pragma GCC unroll 6
         for (int i = 0; i < ns; i++) {
-            s[i] = 0.0;
-            for (int j = 0; j < ns; j++) s[i] += c[i * ns + j] * e[j];
+            s[i] = c[i * ns] * e[0];
+#pragma GCC unroll 6
+            for (int j = 1; j < ns; j++) s[i] += c[i * ns + j] * e[j];
         }
     }
 }
@@ -224,70 +243,101 @@ typedef struct weights {
     double macro[6];
 } weights;
 
-/* Average strain -> tractions, one cell. */
+/* Average strain -> tractions. */
 static inline void mean_mode(int nd, ph_hooke kind, const double *c, const weights *w,
-                             const row *r, ptrdiff_t k)
+                             const row *r, ptrdiff_t k, lanes own)
 {
     const int ns = nd == 3 ? 6 : 3;
-    double e[6], s[6], v[3];
-    for (int i = 0; i < ns; i++) e[i] = w->macro[i];
+    vec e[6], s[6], v[3];
+#pragma GCC unroll 6
+    for (int i = 0; i < ns; i++) e[i] = all(w->macro[i]);
+#pragma GCC unroll 3
     for (int d = 0; d < nd; d++) {
-        for (int a = 0; a < nd; a++) v[a] = r->g[a][d][k];
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) v[a] = load(&r->g[a][d][k]);
         add_column(nd, e, d, v);
     }
     hooke(ns, kind, c, e, s);
+#pragma GCC unroll 3
     for (int d = 0; d < nd; d++) {
         take_column(nd, s, d, w->scale * w->f[d], v);
-        for (int a = 0; a < nd; a++) r->t[a][d][k] = v[a];
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) store(&r->t[a][d][k], v[a], own);
     }
 }
 
-/* The other modes, one cell. The lines q and p are the same: read all, then write. */
-static inline void other_modes(int nd, ph_hooke kind, const double *c, const weights *w,
-                               const row *r, ptrdiff_t k)
+/* p += forces of the modes linear along d, whose gradient has the columns of the other axes. */
+static inline void linear_mode(int nd, ph_hooke kind, const double *c, const weights *w,
+                               int d, vec q[PAIRS][3], vec p[PAIRS][3])
 {
-    const int ns = nd == 3 ? 6 : 3, low = nd == 3 ? 0 : 2;
-    double q[PAIRS][3], p[PAIRS][3], e[6], s[6], v[3];
-    for (int m = low; m < PAIRS; m++)
+    const int ns = nd == 3 ? 6 : 3;
+    vec e[6], s[6], v[3];
+#pragma GCC unroll 6
+    for (int i = 0; i < ns; i++) e[i] = all(0.0);
+#pragma GCC unroll 3
+    for (int b = 0; b < nd; b++) {
+        if (b == d) continue;
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) v[a] = w->f[b] * q[3 - d - b][a];
+        add_column(nd, e, b, v);
+    }
+    hooke(ns, kind, c, e, s);
+#pragma GCC unroll 3
+    for (int b = 0; b < nd; b++) {
+        if (b == d) continue;
+        take_column(nd, s, b, w->scale * w->c1 * w->f[b], v);
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) p[3 - d - b][a] += v[a];
+    }
+}
+
+/* p += forces of the mode bilinear in the axes other than d: one column. */
+static inline void bilinear_mode(ph_hooke kind, const double *c, const weights *w, int d,
+                                 vec q[PAIRS][3], vec p[PAIRS][3])
+{
+    vec e[6], s[6], v[3];
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; i++) e[i] = all(0.0);
+#pragma GCC unroll 3
+    for (int a = 0; a < 3; a++) v[a] = w->f[d] * q[3][a];
+    add_column(3, e, d, v);
+    hooke(6, kind, c, e, s);
+    take_column(3, s, d, w->scale * w->c2 * w->f[d], v);
+#pragma GCC unroll 3
+    for (int a = 0; a < 3; a++) p[3][a] += v[a];
+}
+
+/* The modes beside the average. The lines q and p are the same: read all, then write. */
+static inline void other_modes(int nd, ph_hooke kind, const double *c, const weights *w,
+                               const row *r, ptrdiff_t k, lanes own)
+{
+    const int low = nd == 3 ? 0 : 2, high = nd == 3 ? PAIRS : 3;
+    vec q[PAIRS][3], p[PAIRS][3];
+#pragma GCC unroll 4
+    for (int m = low; m < high; m++)
+#pragma GCC unroll 3
         for (int a = 0; a < nd; a++) {
-            q[m][a] = r->q[a][m][k];
+            q[m][a] = load(&r->q[a][m][k]);
             p[m][a] = w->scale * w->hourglass * q[m][a];
         }
-    for (int d = 0; d < nd; d++) { /* modes linear along d: columns of the other axes */
-        for (int i = 0; i < ns; i++) e[i] = 0.0;
-        for (int b = 0; b < nd; b++) {
-            if (b == d) continue;
-            for (int a = 0; a < nd; a++) v[a] = w->f[b] * q[3 - d - b][a];
-            add_column(nd, e, b, v);
-        }
-        hooke(ns, kind, c, e, s);
-        for (int b = 0; b < nd; b++) {
-            if (b == d) continue;
-            take_column(nd, s, b, w->scale * w->c1 * w->f[b], v);
-            for (int a = 0; a < nd; a++) p[3 - d - b][a] += v[a];
-        }
+#pragma GCC unroll 3
+    for (int d = 0; d < nd; d++) linear_mode(nd, kind, c, w, d, q, p);
+    if (nd == 3) {
+#pragma GCC unroll 3
+        for (int d = 0; d < 3; d++) bilinear_mode(kind, c, w, d, q, p);
     }
-    for (int d = 0; nd == 3 && d < nd; d++) { /* bilinear in the other two: one column */
-        for (int i = 0; i < ns; i++) e[i] = 0.0;
-        for (int a = 0; a < nd; a++) v[a] = w->f[d] * q[3][a];
-        add_column(nd, e, d, v);
-        hooke(ns, kind, c, e, s);
-        take_column(nd, s, d, w->scale * w->c2 * w->f[d], v);
-        for (int a = 0; a < nd; a++) p[3][a] += v[a];
-    }
-    for (int m = low; m < PAIRS; m++)
-        for (int a = 0; a < nd; a++) r->p[a][m][k] = p[m][a];
+#pragma GCC unroll 4
+    for (int m = low; m < high; m++)
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) store(&r->p[a][m][k], p[m][a], own);
 }
 
 #define RUN(nd, kind)                                                                    \
-    do {                                                                                 \
-        _Pragma("omp simd") for (ptrdiff_t k = from; k < to; k++)                        \
-            mean_mode((nd), (kind), c, w, r, k);                                         \
-        if (modes) {                                                                     \
-            _Pragma("omp simd") for (ptrdiff_t k = from; k < to; k++)                    \
-                other_modes((nd), (kind), c, w, r, k);                                   \
-        }                                                                                \
-    } while (0)
+    for (ptrdiff_t k = from; k < to; k += LANES) {                                       \
+        lanes own = (lanes){0, 1, 2, 3} < (lanes){to - k, to - k, to - k, to - k};       \
+        mean_mode((nd), (kind), c, w, r, k, own);                                        \
+        if (modes) other_modes((nd), (kind), c, w, r, k, own);                           \
+    }
 
 /* Tractions of a run of cells of one stiffness. */
 static void stress_run(int nd, ph_hooke kind, const double *c, const weights *w,
@@ -295,14 +345,15 @@ static void stress_run(int nd, ph_hooke kind, const double *c, const weights *w,
 {
     static const double nothing[36];
     if (kind == PH_HOOKE_ZERO) kind = PH_HOOKE_ISOTROPIC, c = nothing;
-    if (nd == 3 && kind == PH_HOOKE_ISOTROPIC)
-        RUN(3, PH_HOOKE_ISOTROPIC);
-    else if (nd == 3)
-        RUN(3, PH_HOOKE_GENERAL);
-    else if (kind == PH_HOOKE_ISOTROPIC)
-        RUN(2, PH_HOOKE_ISOTROPIC);
-    else
-        RUN(2, PH_HOOKE_GENERAL);
+    if (nd == 3 && kind == PH_HOOKE_ISOTROPIC) {
+        RUN(3, PH_HOOKE_ISOTROPIC)
+    } else if (nd == 3) {
+        RUN(3, PH_HOOKE_GENERAL)
+    } else if (kind == PH_HOOKE_ISOTROPIC) {
+        RUN(2, PH_HOOKE_ISOTROPIC)
+    } else {
+        RUN(2, PH_HOOKE_GENERAL)
+    }
 }
 
 static void stress_line(const ph_cells *c, const int32_t *index, const weights *w,
@@ -450,18 +501,45 @@ void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro, d
     }
 }
 
+void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *region,
+                     double *f)
+{
+    const ph_layout *l = &c->layout;
+    row r = row_lines(c, 0);
+    ptrdiff_t plane = l->n[1] * l->n[2];
+    double *high = c->high;
+    vec stress[6], v[3];
+    for (int i = 0; i < l->ns; i++) stress[i] = all(sigma[i]);
+    memset(f, 0, sizeof(double) * (size_t)(l->nd * l->cells));
+    for (ptrdiff_t i = 0; i < l->n[0]; i++) {
+        memset(high, 0, sizeof(double) * (size_t)(l->nd * plane));
+        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
+            const uint8_t *here = region + i * plane + j * l->n[2];
+            for (int d = 0; d < l->nd; d++) {
+                take_column(l->nd, stress, d, c->f[d], v);
+                for (int a = 0; a < l->nd; a++)
+                    for (ptrdiff_t k = 0; k < l->n[2]; k++)
+                        r.t[a][d][k] = here[k] ? v[a][0] : 0.0;
+            }
+            scatter(c, &r, j, false, f + i * plane, l->cells, high);
+        }
+        add_plane(l, high, i + 1 < l->n[0] ? i + 1 : 0, f);
+    }
+}
+
 /* ---- averages and fields: not in the loop of a solver --------------------------------- */
 
 static void strain_of(const ph_cells *c, const weights *w, const row *r, ptrdiff_t k,
                       double *e)
 {
     int nd = c->layout.nd, ns = c->layout.ns;
-    double v[3];
-    for (int i = 0; i < ns; i++) e[i] = w->macro[i];
+    vec v[3] = {{0}}, sum[6];
+    for (int i = 0; i < ns; i++) sum[i] = all(w->macro[i]);
     for (int d = 0; d < nd; d++) {
-        for (int a = 0; a < nd; a++) v[a] = r->g[a][d][k];
-        add_column(nd, e, d, v);
+        for (int a = 0; a < nd; a++) v[a] = all(r->g[a][d][k]);
+        add_column(nd, sum, d, v);
     }
+    for (int i = 0; i < ns; i++) e[i] = sum[i][0];
 }
 
 void ph_i_cells_strain(const ph_cells *c, const double *u, const double *macro,
@@ -487,23 +565,23 @@ static void mode_energy(const ph_cells *c, const double *q, const double *m, ph_
                         ph_cell_energy *energy)
 {
     weights w = apply_weights(c, NULL, 1.0);
-    double value[3][PAIRS], force[3][PAIRS];
+    const lanes own = {-1, 0, 0, 0};
+    double value[3][PAIRS][LANES] = {{{0}}}, force[3][PAIRS][LANES] = {{{0}}};
     row one;
     for (int a = 0; a < 3; a++)
         for (int p = 0; p < PAIRS; p++) {
-            value[a][p] = q[a * PAIRS + p];
-            one.q[a][p] = &value[a][p];
-            one.p[a][p] = &force[a][p];
+            value[a][p][0] = q[a * PAIRS + p];
+            one.q[a][p] = value[a][p];
+            one.p[a][p] = force[a][p];
             energy->stabilisation += c->hourglass * q[a * PAIRS + p] * q[a * PAIRS + p];
         }
     w.hourglass = 0.0;
-    memset(force, 0, sizeof force);
     if (c->layout.nd == 3)
-        other_modes(3, kind, m, &w, &one, 0);
+        other_modes(3, kind, m, &w, &one, 0, own);
     else
-        other_modes(2, kind, m, &w, &one, 0);
+        other_modes(2, kind, m, &w, &one, 0, own);
     for (int a = 0; a < 3; a++)
-        for (int p = 0; p < PAIRS; p++) energy->modes += q[a * PAIRS + p] * force[a][p];
+        for (int p = 0; p < PAIRS; p++) energy->modes += q[a * PAIRS + p] * force[a][p][0];
 }
 
 void ph_i_cells_sums(const ph_cells *c, const double *u, const double *macro,

@@ -41,6 +41,10 @@ void ph_i_cells_clear(ph_cells *cells, ph_meter *meter);
 void ph_i_cells_apply(const ph_cells *cells, const double *u, const double *macro,
                       double scale, double *f);
 
+/** f = B^T sigma of a uniform stress [ns] Mandel in the cells with region[x] != 0. */
+void ph_i_cells_pull(const ph_cells *cells, const double *sigma, const uint8_t *region,
+                     double *f);
+
 /** Strain of mode 1 (the cell average) of u plus macro, [ns][cells] Mandel. */
 void ph_i_cells_strain(const ph_cells *cells, const double *u, const double *macro,
                        double *strain);

@@ -27,22 +27,25 @@ static double hourglass_coefficient(const ph_layout *l, double alpha, double sof
     return alpha * softest * dimensions(l) / (corners * corners * sum_squares_half(l));
 }
 
-/* Nanoseconds per cell and bond of the stencil, per cell and transform of the convolution:
- * measured, see docs/performance.md. Fixed numbers, so that the choice, and with it every
- * bit of the result, does not depend on the load of the machine. */
+/* Nanoseconds per cell: a bond of the stencil (strain and divergence), a transform, the
+ * products in Fourier space. Measured, see docs/performance.md. Fixed numbers, so that the
+ * choice, and with it every bit of the result, does not depend on the load of the machine. */
+static const double ns_bond = 0.39, ns_transform = 4.5, ns_product = 1.3;
+
 static ph_route choose_route(const ph_layout *l, const ph_operator_params *p)
 {
+    if (p->one_sided || p->route == PH_ROUTE_BONDS) return PH_ROUTE_BONDS;
     if (!p->family || p->smallest) return PH_ROUTE_CELLS;
     if (p->route != PH_ROUTE_AUTO) return p->route;
-    const double per_bond = 0.09 * l->nd, per_transform = 5.0;
-    double transforms = 2.0 * (dimensions(l) == 3 ? 6 : l->ns == 6 ? 5 : 3) - 2.0 * l->nd;
-    return per_bond * l->nd * (double)p->family->count < per_transform * transforms
-               ? PH_ROUTE_STENCIL
-               : PH_ROUTE_CONVOLUTION;
+    int strains = dimensions(l) == 3 ? 6 : l->ns == 6 ? 5 : 3;
+    double stencil = ns_bond * l->nd * l->nd * (double)p->family->count;
+    double convolution = 2.0 * (strains - l->nd) * ns_transform + 2.0 * strains * ns_product;
+    return stencil < convolution ? PH_ROUTE_STENCIL : PH_ROUTE_CONVOLUTION;
 }
 
-/* Energy share theta at the simplices of a node: one-sided differences, one stencil for
- * each of the 2^d corners of its cell. */
+/* Energy share theta at the simplices of a cell, one stencil for each of its 2^d corners.
+ * Node families: the node and its neighbours on one side along every axis. Stress points:
+ * the corner and the other ends of its edges. */
 static ph_status new_simplices(ph_operator *op, const ph_grid *box, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -62,6 +65,10 @@ static ph_status new_simplices(ph_operator *op, const ph_grid *box, ph_error *er
             g[n++][d] = s;
             g[0][d] -= s;
         }
+        if (op->family->points == PH_POINTS_STRESS) /* from the opposite corner inwards */
+            for (ptrdiff_t b = 0; b < n; b++)
+                for (int d = 0; d < 3; d++)
+                    if (box->n[d] > 1 && !((corner >> d) & 1)) offset[b][d]++;
         if (skip) continue;
         PH_TRY(ph_i_stencil_new(&op->layout, n, (const int(*)[3])offset,
                                 (const double(*)[3])g, op->threads, &op->sub[op->nsub],
@@ -176,13 +183,15 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
     PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     op->route = choose_route(&op->layout, p);
-    PH_TRY(new_family_part(op, p, err));
-    if (p->stabilisation == PH_STABILISE_SUBPOINT && op->route != PH_ROUTE_CELLS) {
-        PH_CHECK(p->family->points == PH_POINTS_NODES, PH_EINVAL,
-                 "sub-point stabilisation of stress points needs their smallest family; "
-                 "leave the horizon out, or choose the spectral stabilisation");
-        PH_TRY(new_simplices(op, box, err));
+    if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
+        op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
+        PH_TRY(ph_i_bondlist_new(box, map, p, meter, &op->bonds, err));
+        *out = op;
+        return st;
     }
+    PH_TRY(new_family_part(op, p, err));
+    if (p->stabilisation == PH_STABILISE_SUBPOINT && op->route != PH_ROUTE_CELLS)
+        PH_TRY(new_simplices(op, box, err));
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
         !(op->has_cells && p->hourglass_in_space))
         PH_TRY(new_spectral(op, p->value, err));
@@ -204,6 +213,7 @@ void ph_i_operator_free(ph_operator **out)
     if (op->has_cells) ph_i_cells_clear(&op->cells, op->meter);
     if (op->has_convolution) ph_i_convolution_clear(&op->convolution, op->meter);
     ph_i_stencil_free(&op->stencil);
+    ph_i_bondlist_free(&op->bonds);
     for (int i = 0; i < op->nsub; i++) ph_i_stencil_free(&op->sub[i]);
     ph_i_doubles_free(op->meter, &op->u, nd * cells);
     ph_i_doubles_free(op->meter, &op->f, nd * cells);
@@ -294,6 +304,11 @@ static void apply_in_space(ph_operator *op, const double *u, const double *macro
         ph_i_cells_apply(&op->cells, u, macro, scale, f);
         return;
     }
+    if (op->bonds) {
+        ph_i_bondlist_apply(op->bonds, u, f);
+        scale_field(op, scale, op->layout.nd * op->layout.cells, f);
+        return;
+    }
     ph_i_stencil_strain(op->stencil, u, macro, op->pad, op->e);
     ph_i_hooke_field(op->map, op->threads, op->e, op->e);
     ph_i_stencil_divergence(op->stencil, op->e, scale * op->share, false, op->pad, f);
@@ -349,6 +364,10 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
         ph_i_cells_apply(&op->cells, NULL, macro, -1.0, f);
         return;
     }
+    if (op->bonds) {
+        ph_i_bondlist_load(op->bonds, macro, f);
+        return;
+    }
     for (int i = 0; i < l->ns; i++)
         for (ptrdiff_t x = 0; x < l->cells; x++) op->e[i * l->cells + x] = macro[i];
     ph_i_hooke_field(op->map, op->threads, op->e, op->e);
@@ -367,12 +386,25 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
     add_subpoints(op, op->u, macro, -1.0, f);
 }
 
+void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *region,
+                        double *f)
+{
+    if (op->bonds)
+        ph_i_bondlist_pull(op->bonds, sigma, region, f);
+    else
+        ph_i_cells_pull(&op->cells, sigma, region, f);
+}
+
 void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
                           double *strain)
 {
     const ph_layout *l = &op->layout;
     if (op->has_cells) {
         ph_i_cells_strain(&op->cells, u, macro, strain);
+        return;
+    }
+    if (op->bonds) {
+        ph_i_bondlist_strain(op->bonds, u, macro, strain);
         return;
     }
     if (op->stencil) {
@@ -411,6 +443,8 @@ void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
     const ph_layout *l = &op->layout;
     if (op->has_cells) {
         ph_i_cells_sums(&op->cells, u, macro, region, stress, strain, energy);
+    } else if (op->bonds) {
+        ph_i_bondlist_sums(op->bonds, u, macro, region, stress, strain, energy);
     } else {
         memset(energy, 0, sizeof *energy);
         for (int i = 0; i < l->ns; i++) stress[i] = strain[i] = 0.0;

@@ -1,26 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The operator of a periodic box: A = sum over parts of B^T C B, plus the spectral
  * stabilisation. One family part (by convolution, stencil or cell corners), and with (P) a
- * sub-point part. The force is built as the transpose of the gradient, whatever the route. */
+ * sub-point part; or all of it by bond lists, where families end at the faces of an RVE. The force is built as the transpose of the gradient, whatever the route. */
 #ifndef PH_MODEL_OPERATOR_H
 #define PH_MODEL_OPERATOR_H
 
+#include "model/bondlist.h"
 #include "model/cells.h"
 #include "model/convolution.h"
+#include "model/operator_params.h"
 #include "model/stencil.h"
-
-typedef enum ph_route { PH_ROUTE_AUTO, PH_ROUTE_CELLS, PH_ROUTE_STENCIL, PH_ROUTE_CONVOLUTION } ph_route;
-
-/** How an operator is to be made; everything decided, nothing automatic but the route. */
-typedef struct ph_operator_params {
-    const ph_family *family; /* NULL: `local`, finite elements on the cells */
-    bool smallest;           /* the family is the corners of the cell */
-    ph_stabilisation stabilisation;
-    double value;            /* alpha or theta */
-    ph_route route;
-    bool hourglass_in_space; /* (S) of the cells route by the kernel, not in Fourier space */
-    int threads;
-} ph_operator_params;
 
 typedef struct ph_operator {
     ph_layout layout;
@@ -34,6 +23,7 @@ typedef struct ph_operator {
     bool has_cells;
     ph_cells cells;     /* the cells route, or nothing */
     ph_stencil *stencil;
+    ph_bondlist *bonds; /* the bonds route, or NULL */
     bool has_convolution;
     ph_convolution convolution;
     int nsub;           /* (P) of nodes: one-sided simplices of each node */
@@ -58,6 +48,10 @@ void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);
 void ph_i_operator_apply(ph_operator *op, const double *u, double *f);
 /** f = -B^T C macro, the load of a macro strain [ns] Mandel. */
 void ph_i_operator_load(ph_operator *op, const double *macro, double *f);
+/** f = B^T sigma of a uniform stress [ns] Mandel in the cells with region[x] != 0: the load
+ *  of a macro stress. Routes cells and bonds. */
+void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *region,
+                        double *f);
 /** Transforms of all displacement components. */
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat);
 void ph_i_operator_backward(ph_operator *op, const double *uhat, double *work, double *u);
@@ -75,7 +69,7 @@ ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P, ph
 
 static inline const char *ph_i_route_name(ph_route route)
 {
-    static const char *const name[] = {"auto", "cells", "stencil", "convolution"};
+    static const char *const name[] = {"auto", "cells", "stencil", "convolution", "bonds"};
     return name[route];
 }
 

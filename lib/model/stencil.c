@@ -4,7 +4,7 @@
 #include <omp.h>
 #include <string.h>
 
-enum { BLOCK = 8 }; /* nodes along the last loop that are summed in registers */
+enum { BLOCK = 4 }; /* nodes along the last loop that are summed in registers */
 
 static int find_group(const ph_stencil *s, ptrdiff_t n, int a, int b)
 {
@@ -132,7 +132,9 @@ static inline void strain_row(const ph_stencil *s, int nd, const double *pad,
         double G[3][3][BLOCK] = {{{0}}};
         for (ptrdiff_t b = 0; b < s->count; b++) {
             const double *u = pad + start[s->member[b]] + s->offset[b][2] + k;
+#pragma GCC unroll 3
             for (int a = 0; a < nd; a++)
+#pragma GCC unroll 3
                 for (int d = 0; d < nd; d++)
 #pragma omp simd
                     for (int v = 0; v < BLOCK; v++)
@@ -176,7 +178,9 @@ static inline void divergence_row(const ph_stencil *s, int nd, const double *pad
         double F[3][BLOCK] = {{0}};
         for (ptrdiff_t b = 0; b < s->count; b++) {
             const double *t = pad + start[s->member[b]] - s->offset[b][2] + k;
+#pragma GCC unroll 3
             for (int a = 0; a < nd; a++)
+#pragma GCC unroll 3
                 for (int d = 0; d < nd; d++) {
                     int c = nd == 3 ? component[a][d] : (a == d ? a : 2);
                     double g = s->g[b][d] * (a == d ? 1.0 : R2);

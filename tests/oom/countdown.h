@@ -41,7 +41,9 @@ static struct {
 static size_t countdown_slot(const void *p)
 {
     size_t i = ((uintptr_t)p >> 4) * 0x9e3779b97f4a7c15u >> 48;
-    while (countdown.block[i % COUNTDOWN_SLOTS] && countdown.block[i % COUNTDOWN_SLOTS] != p) i++;
+    while (countdown.block[i % COUNTDOWN_SLOTS] &&
+           countdown.block[i % COUNTDOWN_SLOTS] != p)
+        i++;
     return i % COUNTDOWN_SLOTS;
 }
 
@@ -63,7 +65,8 @@ static void countdown_remove(void *p)
     if (!p || countdown.block[i] != p) return;
     countdown.block[i] = NULL;
     countdown.live--;
-    for (size_t j = (i + 1) % COUNTDOWN_SLOTS; countdown.block[j]; j = (j + 1) % COUNTDOWN_SLOTS) {
+    for (size_t j = (i + 1) % COUNTDOWN_SLOTS; countdown.block[j];
+         j = (j + 1) % COUNTDOWN_SLOTS) {
         void *moved = countdown.block[j]; /* close the gap in its run */
         countdown.block[j] = NULL;
         countdown.block[countdown_slot(moved)] = moved;
@@ -97,7 +100,8 @@ void *__wrap_realloc(void *p, size_t size)
 
 void *__wrap_aligned_alloc(size_t alignment, size_t size)
 {
-    return countdown_fails() ? NULL : countdown_add(__real_aligned_alloc(alignment, size));
+    return countdown_fails() ? NULL
+                             : countdown_add(__real_aligned_alloc(alignment, size));
 }
 
 void __wrap_free(void *p)
@@ -106,8 +110,14 @@ void __wrap_free(void *p)
     __real_free(p);
 }
 
-static inline void *countdown_malloc(size_t size) { return __wrap_malloc(size); }
-static inline void countdown_free(void *p) { __wrap_free(p); }
+static inline void *countdown_malloc(size_t size)
+{
+    return __wrap_malloc(size);
+}
+static inline void countdown_free(void *p)
+{
+    __wrap_free(p);
+}
 
 /* Run `call` with its n-th allocation failing, n = 1, 2, ...; see above. `untouched` and
  * `done` may be NULL. */
@@ -134,8 +144,9 @@ static inline void countdown_run(const char *name, ph_status (*call)(void *, ph_
         if (st == PH_ENOMEM && err.status == PH_ENOMEM && err.msg[0] && same &&
             countdown.live == 0)
             continue;
-        fail_msg("%s, allocation %ld: status %d '%s', outputs %s, %ld blocks leaked", name,
-                 n + 1, (int)st, err.msg, same ? "untouched" : "touched", countdown.live);
+        fail_msg("%s, allocation %ld: status %d '%s', outputs %s, %ld blocks leaked",
+                 name, n + 1, (int)st, err.msg, same ? "untouched" : "touched",
+                 countdown.live);
     }
 }
 
