@@ -71,7 +71,8 @@ static int parse(int argc, char **argv, view_options *o)
             o->result = a;
         }
         if (axis && (axis[0] < '1' || axis[0] > '3' || axis[1]))
-            return fprintf(stderr, "perihom view: --axis is 1, 2 or 3, got '%s'\n", axis), 2;
+            return fprintf(stderr, "perihom view: --axis is 1, 2 or 3, got '%s'\n", axis),
+                   2;
         if (axis) o->axis = axis[0] - '0';
     }
     if (!o->result && !o->help) return fputs(usage, stderr), 2;
@@ -103,8 +104,8 @@ static int find_file(const char *result, char *path, size_t size)
             snprintf(path, size, "%s/%s", result, entry->d_name);
     if (dir) closedir(dir);
     if (found == 1) return 0;
-    fprintf(stderr, "perihom view: '%s' holds %s (output: {fields: true} writes one)\n", result,
-            found ? "several .h5 files: name one" : "no .h5 file");
+    fprintf(stderr, "perihom view: '%s' holds %s (output: {fields: true} writes one)\n",
+            result, found ? "several .h5 files: name one" : "no .h5 file");
     return 5;
 }
 
@@ -135,8 +136,8 @@ static ph_status draw_phases(view *v, ph_error *err)
 {
     char path[4200];
     if (!picture_path(v, "phases", path, sizeof path)) return PH_EIO;
-    ph_status st = ph_write_phases_png(path, v->file->micro, v->options->axis,
-                                       v->file->title, err);
+    ph_status st =
+        ph_write_phases_png(path, v->file->micro, v->options->axis, v->file->title, err);
     if (st != PH_OK) return st;
     v->drawn++;
     if (!v->options->quiet) puts(path);
@@ -151,11 +152,11 @@ static ph_status draw_field(view *v, const ph_fields *f, const char *field,
     const char *load = voigt_name(f->ns, f->load);
     if (v->options->field && strcmp(v->options->field, field) != 0) return PH_OK;
     snprintf(name, sizeof name, "%s-load%s", field, load);
-    snprintf(title, sizeof title, "%s%s%s%s under strain %s", field, unit[0] ? " [" : "", unit,
-             unit[0] ? "]" : "", load);
+    snprintf(title, sizeof title, "%s%s%s%s under strain %s", field, unit[0] ? " [" : "",
+             unit, unit[0] ? "]" : "", load);
     if (!picture_path(v, name, path, sizeof path)) return PH_EIO;
-    ph_status st = ph_write_png(path, &v->file->micro->grid, value, v->options->axis, title,
-                                err);
+    ph_status st =
+        ph_write_png(path, &v->file->micro->grid, value, v->options->axis, title, err);
     if (st != PH_OK) return st;
     v->drawn++;
     if (!v->options->quiet) puts(path);
@@ -171,7 +172,8 @@ static bool von_mises(const view *v, const ph_fields *f)
     if (!f->stress || g->kinematics == PH_PLANE_STRAIN) return false;
     for (size_t x = 0; x < cells; x++) {
         double s[6] = {0};
-        for (int a = 0; a < f->ns; a++) s[f->ns == 6 || a < 2 ? a : 5] = f->stress[(size_t)a * cells + x];
+        for (int a = 0; a < f->ns; a++)
+            s[f->ns == 6 || a < 2 ? a : 5] = f->stress[(size_t)a * cells + x];
         double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
         v->derived[x] = sqrt(0.5 * (a * a + b * b + c * c) +
                              3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
@@ -197,7 +199,8 @@ static ph_status draw_load(view *v, const ph_fields *f, ph_error *err)
                 snprintf(name, sizeof name, "displacement%d", a + 1);
             else
                 snprintf(name, sizeof name, "%s%s", set[k].kind, voigt_name(f->ns, a));
-            st = draw_field(v, f, name, set[k].value + (size_t)a * cells, set[k].unit, err);
+            st = draw_field(v, f, name, set[k].value + (size_t)a * cells, set[k].unit,
+                            err);
         }
     if (st == PH_OK && von_mises(v, f))
         st = draw_field(v, f, "von_mises", v->derived, v->file->unit_stress, err);
@@ -211,7 +214,8 @@ static unsigned load_mask(const char *text, int n)
     for (int a = 0; a < n; a++) {
         char number[8];
         snprintf(number, sizeof number, "%d", a + 1);
-        if (strcmp(text, number) == 0 || strcmp(text, voigt_name(n, a)) == 0) return 1u << a;
+        if (strcmp(text, number) == 0 || strcmp(text, voigt_name(n, a)) == 0)
+            return 1u << a;
     }
     return 0;
 }
@@ -223,17 +227,19 @@ static int draw_all(view *v, ph_error *err)
     unsigned mask = load_mask(v->options->load, n);
     ph_status st = PH_OK;
     if (!mask)
-        return fprintf(stderr, "perihom view: --load is 1 to %d or a strain, got '%s'\n", n,
-                       v->options->load),
+        return fprintf(stderr, "perihom view: --load is 1 to %d or a strain, got '%s'\n",
+                       n, v->options->load),
                2;
     if (!field || strcmp(field, "phases") == 0) st = draw_phases(v, err);
     for (int i = 0; i < v->file->nfields && st == PH_OK; i++)
-        if (mask >> v->file->fields[i].load & 1u) st = draw_load(v, &v->file->fields[i], err);
+        if (mask >> v->file->fields[i].load & 1u)
+            st = draw_load(v, &v->file->fields[i], err);
     if (st != PH_OK)
         return fprintf(stderr, "perihom view: %s\n", err->msg), ph_status_exit_code(st);
     if (v->drawn > 0) return 0;
     fprintf(stderr, "perihom view: no field '%s'%s%s in this result\n", field,
-            v->options->load ? " of load " : "", v->options->load ? v->options->load : "");
+            v->options->load ? " of load " : "",
+            v->options->load ? v->options->load : "");
     return 3;
 }
 
