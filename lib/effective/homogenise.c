@@ -11,6 +11,8 @@
 
 static const double default_tolerance = 1e-6;
 enum { DEFAULT_ITERATIONS = 2000 };
+/* Fewer cells than this do not pay for another thread; the result has the same bits. */
+enum { CELLS_PER_THREAD = 8192 };
 /* A load below this share of the forces that its stresses could make is round-off. */
 static const double no_load = 1e-13;
 
@@ -485,6 +487,8 @@ ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result 
     *out = NULL;
     PH_TRY(check_problem(problem, err));
     r.threads = ctx && ctx->threads > 0 ? ctx->threads : omp_get_max_threads();
+    ptrdiff_t worth = 1 + ph_grid_cells(&problem->micro->grid) / CELLS_PER_THREAD;
+    if (r.threads > worth) r.threads = (int)worth;
     r.constraint = ph_i_constraint_find(problem->constraint.kind);
     PH_CHECK(r.constraint, PH_EINVAL, "unknown constraint '%s'", problem->constraint.kind);
     PH_TRY(new_result(problem, &r.result, err));
