@@ -177,7 +177,7 @@ static ph_status prepare(run *r, ph_error *err)
                                   err));
     PH_CHECK(r->map->softest > 0.0, PH_EUNPHYSICAL,
              "every phase of the microstructure is void: its stiffness is zero");
-    PH_TRY(ph_i_model_choose(p, r->map, r->constraint->exact_cells_only, &r->params,
+    PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params,
                              &r->family, res, err));
     res->model = ph_i_model_find(p->model.kind)->info.name;
     res->points = r->family ? r->family->points : PH_POINTS_STRESS;
