@@ -196,7 +196,7 @@ static void test_colours_are_even(void **state)
         for (int j = 0; j < i; j++)
             CHECK(!same(ph_i_material_colour(i, false), ph_i_material_colour(j, false)));
     ph_i_colour a = {10, 200, 30}, b = {250, 0, 99};
-    CHECK(same(ph_i_mix(a, b, 0), a) && same(ph_i_mix(a, b, 1), b));
+    CHECK(same(ph_i_mix_colours(a, b, 0), a) && same(ph_i_mix_colours(a, b, 1), b));
     CHECK_END();
 }
 
@@ -211,8 +211,8 @@ static void test_phases_and_cut_cells(void **state)
         /* swatches at least; cells too */
         CHECK(count(&p, ph_i_material_colour(0, false)) > 10000);
         CHECK(count(&p, ph_i_material_colour(1, false)) > 10000);
-        ph_i_colour cut = ph_i_mix(ph_i_material_colour(1, false),
-                                   ph_i_material_colour(2, true), 0.375);
+        ph_i_colour cut = ph_i_mix_colours(ph_i_material_colour(1, false),
+                                           ph_i_material_colour(2, true), 0.375);
         if (axis > 1) CHECK(count(&p, cut) > 10000);
         ph_i_picture_free(&p);
         ph_microstructure_free(&micro);
