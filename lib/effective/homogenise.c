@@ -200,11 +200,16 @@ static ph_status build(run *r, ph_error *err)
     /* Held or missing nodes need the hourglass term where the material is. */
     r->params.hourglass_in_space = r->setting.source || r->setting.fixed;
     r->params.threads = r->threads;
+    /* Points that see more than their own cell end with the body at its faces. */
+    bool body = r->constraint->by_stress;
+    r->params.one_sided = body && r->family && !r->params.smallest;
+    memcpy(r->params.rve, r->result->grid.n, sizeof r->params.rve);
     PH_TRY(ph_i_operator_new(&r->setting.box, r->map, &r->params, &r->meter, &r->op, err));
     r->system = (ph_system){.op = r->op,
                             .setting = &r->setting,
                             .params = &r->params,
-                            .meter = &r->meter};
+                            .meter = &r->meter,
+                            .one_sided = r->params.one_sided};
     r->solver = ph_i_solver_find(r->problem->solver.kind, &r->system, why);
     PH_CHECK(r->solver, PH_EINVAL, "unknown solver '%s'", r->problem->solver.kind);
     const char *no = r->solver->refuses(&r->system);
@@ -345,7 +350,7 @@ static ph_status solve_load(run *r, int load, int number, int loads, ph_error *e
     if (macro)
         ph_i_operator_load(r->op, macro, r->load);
     else
-        ph_i_cells_pull(&r->op->cells, unit, r->setting.region, r->load);
+        ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
     if (load_is_nothing(r))
         memset(r->u, 0, sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
     else
