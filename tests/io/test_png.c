@@ -212,7 +212,7 @@ static void test_phases_and_cut_cells(void **state)
         CHECK(count(&p, ph_i_material_colour(0, false)) > 10000);
         CHECK(count(&p, ph_i_material_colour(1, false)) > 10000);
         ph_i_colour cut = ph_i_mix_colours(ph_i_material_colour(1, false),
-                                   ph_i_material_colour(2, true), 0.375);
+                                           ph_i_material_colour(2, true), 0.375);
         if (axis > 1) CHECK(count(&p, cut) > 10000);
         ph_i_picture_free(&p);
         ph_microstructure_free(&micro);
