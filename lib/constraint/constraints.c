@@ -141,7 +141,8 @@ out:
     return st;
 }
 
-/* The RVE alone in empty space, pulled by sigma.n on its faces. */
+/* The RVE alone in empty space, pulled by sigma.n on its faces. One layer of empty cells
+ * keeps the faces apart; families that reach further are cut at them. */
 static ph_status uniform_traction(const ph_problem *p, const ph_family *family,
                                   ph_setting *s, ph_error *err)
 {
@@ -158,7 +159,7 @@ const ph_constraint_method ph_constraints[] = {
       "Galadima2023", "an upper estimate of an RVE cut from a material"},
      false, false, false, linear_displacement},
     {{"uniform_traction", "sigma n on the faces, the body free otherwise", "Hazanov1995",
-      "a lower estimate of an RVE cut from a material; stress points or local"},
+      "a lower estimate of an RVE cut from a material"},
      false, true, true, uniform_traction},
     {{"voigt", "uniform strain: the upper bound", "Voigt1889", "always"},
      true, false, false, periodic},

@@ -11,6 +11,8 @@
 
 static const double default_tolerance = 1e-6;
 enum { DEFAULT_ITERATIONS = 2000 };
+/* Fewer cells than this do not pay for another thread; the result has the same bits. */
+enum { CELLS_PER_THREAD = 8192 };
 /* A load below this share of the forces that its stresses could make is round-off. */
 static const double no_load = 1e-13;
 
@@ -200,11 +202,16 @@ static ph_status build(run *r, ph_error *err)
     /* Held or missing nodes need the hourglass term where the material is. */
     r->params.hourglass_in_space = r->setting.source || r->setting.fixed;
     r->params.threads = r->threads;
+    /* Points that see more than their own cell end with the body at its faces. */
+    bool body = r->constraint->by_stress;
+    r->params.one_sided = body && r->family && !r->params.smallest;
+    memcpy(r->params.rve, r->result->grid.n, sizeof r->params.rve);
     PH_TRY(ph_i_operator_new(&r->setting.box, r->map, &r->params, &r->meter, &r->op, err));
     r->system = (ph_system){.op = r->op,
                             .setting = &r->setting,
                             .params = &r->params,
-                            .meter = &r->meter};
+                            .meter = &r->meter,
+                            .one_sided = r->params.one_sided};
     r->solver = ph_i_solver_find(r->problem->solver.kind, &r->system, why);
     PH_CHECK(r->solver, PH_EINVAL, "unknown solver '%s'", r->problem->solver.kind);
     const char *no = r->solver->refuses(&r->system);
@@ -345,7 +352,7 @@ static ph_status solve_load(run *r, int load, int number, int loads, ph_error *e
     if (macro)
         ph_i_operator_load(r->op, macro, r->load);
     else
-        ph_i_cells_pull(&r->op->cells, unit, r->setting.region, r->load);
+        ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
     if (load_is_nothing(r))
         memset(r->u, 0, sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
     else
@@ -480,6 +487,8 @@ ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result 
     *out = NULL;
     PH_TRY(check_problem(problem, err));
     r.threads = ctx && ctx->threads > 0 ? ctx->threads : omp_get_max_threads();
+    ptrdiff_t worth = 1 + ph_grid_cells(&problem->micro->grid) / CELLS_PER_THREAD;
+    if (r.threads > worth) r.threads = (int)worth;
     r.constraint = ph_i_constraint_find(problem->constraint.kind);
     PH_CHECK(r.constraint, PH_EINVAL, "unknown constraint '%s'", problem->constraint.kind);
     PH_TRY(new_result(problem, &r.result, err));

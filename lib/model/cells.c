@@ -360,10 +360,14 @@ static void stress_line(const ph_cells *c, const int32_t *index, const weights *
                         const row *r, bool modes)
 {
     ptrdiff_t n = c->layout.n[2], to;
+    weights outside = *w; /* around a body that stands alone: no hourglass term either */
+    outside.hourglass = 0.0;
     for (ptrdiff_t from = 0; from < n; from = to) {
         for (to = from + 1; to < n && index[to] == index[from];) to++;
         const double *m = c->map->c + (ptrdiff_t)index[from] * c->map->ns * c->map->ns;
-        stress_run(c->layout.nd, c->map->hooke[index[from]], m, w, r, from, to, modes);
+        bool body = index[from] != c->map->materials;
+        stress_run(c->layout.nd, c->map->hooke[index[from]], m, body ? w : &outside, r, from,
+                   to, modes);
     }
 }
 

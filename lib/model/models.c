@@ -67,7 +67,7 @@ static ph_points choose_points(const ph_problem *p, const ph_stiffness_map *map,
     if (p->model.points != PH_POINTS_AUTO) return p->model.points;
     const char *why = NULL;
     if (cells_only)
-        why = "the constraint needs points that see only their own cell";
+        why = "their smallest family is exact at the faces of the RVE";
     else if (map->has_void)
         why = "a void phase: families of nodes reach across its surface";
     else if (map->contrast > high_contrast)
@@ -154,11 +154,6 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
                          err));
     out->family = *family;
     out->smallest = is_smallest(*family);
-    /* All corners of a cell are equally far from its centre: any influence function gives
-     * the same operator, but one that is zero there gave no family at all. */
-    PH_CHECK(!cells_only || out->smallest, PH_EINVAL,
-             "this constraint needs points that see only their own cell: points: stress "
-             "without a horizon, or model: local");
     choose_stabilisation(p, map, points, cells_only, out, notes);
 out:
     if (st != PH_OK) ph_family_free(family);

@@ -16,7 +16,8 @@ extern const size_t ph_nmodels;
 const ph_model_method *ph_i_model_find(const char *name);
 
 /** Everything about the operator that `auto` leaves open, decided; notes say what and why.
- *  @param[in] cells_only the constraint needs points that see only their own cell
+ *  @param[in] cells_only the constraint is exact for points that see only their own cell:
+ *             what `auto` takes then
  *  @param[out] family NULL for local; the caller frees it */
 ph_status ph_i_model_choose(const ph_problem *problem, const ph_stiffness_map *map,
                             bool cells_only, ph_operator_params *params,
