@@ -63,7 +63,8 @@ typedef struct ph_problem {
     bool keep_fields; /* keep displacement, strain, stress of each load */
 } ph_problem;
 
-/** The fields of one load case on the RVE, component first: [component][cell].
+/** The fields of one load case on the RVE, component first: [component][cell], for one unit
+ *  of the load's Voigt component (engineering strain; uniform_traction: stress).
  *  Displacement is the total one, eps_bar x + fluctuation, at the cell centres (nodes) or at
  *  the lower corners of the cells (stress points, local). Strain and stress: Voigt order,
  *  engineering shear. */
