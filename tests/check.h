@@ -29,8 +29,7 @@ static int check_failures;
     } while (0)
 
 /* |got - want| <= tol */
-#define CHECK_ABS(got, want, tol)                                                        \
-    check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
+#define CHECK_ABS(got, want, tol) check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
 /* |got - want| <= tol |want| */
 #define CHECK_REL(got, want, tol)                                                        \
     check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol)*fabs((double)(want)))
@@ -50,8 +49,8 @@ static inline void check_abs_(const char *file, int line, const char *what, doub
 {
     if (fabs(got - want) <= tol) return;
     check_failures++;
-    print_error("%s:%d: %s: got %.17g, want %.17g, error %.3g, tolerance %.3g\n", file,
-                line, what, got, want, got - want, tol);
+    print_error("%s:%d: %s: got %.17g, want %.17g, error %.3g, tolerance %.3g\n", file, line,
+                what, got, want, got - want, tol);
 }
 
 #define CHECK_END()                                                                      \

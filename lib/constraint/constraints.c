@@ -157,7 +157,7 @@ const ph_constraint_method ph_constraints[] = {
      false, false, false, periodic},
     {{"linear_displacement", "u = eps x on a boundary volume of two horizons",
       "Galadima2023", "an upper estimate of an RVE cut from a material"},
-     false, false, false, linear_displacement},
+     false, false, true, linear_displacement},
     {{"uniform_traction", "sigma n on the faces, the body free otherwise", "Hazanov1995",
       "a lower estimate of an RVE cut from a material"},
      false, true, true, uniform_traction},

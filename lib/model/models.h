@@ -16,11 +16,11 @@ extern const size_t ph_nmodels;
 const ph_model_method *ph_i_model_find(const char *name);
 
 /** Everything about the operator that `auto` leaves open, decided; notes say what and why.
- *  @param[in] cells_only the constraint is exact for points that see only their own cell:
- *             what `auto` takes then
+ *  @param[in] bounded nodes are held, or end at the faces of the RVE: points that see only
+ *             their own cell suit it best
  *  @param[out] family NULL for local; the caller frees it */
 ph_status ph_i_model_choose(const ph_problem *problem, const ph_stiffness_map *map,
-                            bool cells_only, ph_operator_params *params,
+                            bool bounded, ph_operator_params *params,
                             ph_family **family, ph_result *notes, ph_error *err);
 
 /** A line of the result's notes. */

@@ -164,6 +164,9 @@ static ptrdiff_t pad_size(const ph_operator *op)
     return row * op->layout.n[0] * op->layout.n[1] * op->layout.ns;
 }
 
+/* Does a field have to pass through Fourier space to meet this operator? */
+static bool by_spectrum(const ph_operator *op) { return op->has_convolution || op->spectral; }
+
 ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
                             const ph_operator_params *p, ph_meter *meter, ph_operator **out,
                             ph_error *err)
@@ -195,6 +198,8 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
         !(op->has_cells && p->hourglass_in_space))
         PH_TRY(new_spectral(op, p->value, err));
+    if (by_spectrum(op))
+        PH_DOUBLES(op->hat, meter, 2 * nd * (size_t)op->modes, "a transformed field");
     if (op->stencil || op->nsub)
         PH_DOUBLES(op->pad, meter, (size_t)pad_size(op), "padded rows");
     *out = op;
@@ -220,6 +225,7 @@ void ph_i_operator_free(ph_operator **out)
     ph_i_doubles_free(op->meter, &op->e, (size_t)op->layout.ns * cells);
     ph_i_doubles_free(op->meter, &op->spectral, (size_t)op->modes);
     ph_i_doubles_free(op->meter, &op->hat, 2 * nd * (size_t)op->modes);
+    ph_i_doubles_free(op->meter, &op->hat2, 2 * nd * (size_t)op->modes);
     ph_i_fft_free(&op->fft);
     free(op);
     *out = NULL;
@@ -330,30 +336,26 @@ void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat)
     add_diagonal(op, uhat, fhat);
 }
 
-static ph_status need_hat(ph_operator *op)
+ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err)
 {
-    if (op->hat) return PH_OK;
-    op->hat = ph_i_doubles_new(op->meter, (size_t)(2 * op->layout.nd * op->modes));
-    return op->hat ? PH_OK : PH_ENOMEM;
+    ph_status st = PH_OK;
+    if (by_spectrum(op) && !op->hat2)
+        PH_DOUBLES(op->hat2, op->meter, (size_t)(2 * op->layout.nd * op->modes),
+                   "a transformed force");
+out:
+    return st;
 }
 
 void ph_i_operator_apply(ph_operator *op, const double *u, double *f)
 {
-    if (!op->has_convolution && !op->spectral) {
+    if (!by_spectrum(op)) {
         op->applications++;
         apply_in_space(op, u, NULL, 1.0, f);
         return;
     }
-    ptrdiff_t n = 2 * op->layout.nd * op->modes;
-    double *fhat = ph_i_doubles_new(NULL, (size_t)n);
-    if (!fhat || need_hat(op) != PH_OK) {
-        free(fhat);
-        return;
-    }
     ph_i_operator_forward(op, u, op->hat);
-    ph_i_operator_apply_hat(op, op->hat, fhat);
-    ph_i_operator_backward(op, fhat, fhat, f);
-    free(fhat);
+    ph_i_operator_apply_hat(op, op->hat, op->hat2);
+    ph_i_operator_backward(op, op->hat2, op->hat2, f);
 }
 
 void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
@@ -372,12 +374,9 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
         for (ptrdiff_t x = 0; x < l->cells; x++) op->e[i * l->cells + x] = macro[i];
     ph_i_hooke_field(op->map, op->threads, op->e, op->e);
     if (op->has_convolution) {
-        double *fhat = ph_i_doubles_new(NULL, (size_t)(2 * l->nd * op->modes));
-        if (!fhat) return;
-        ph_i_convolution_divergence(&op->convolution, op->e, fhat);
-        ph_i_operator_backward(op, fhat, fhat, f);
+        ph_i_convolution_divergence(&op->convolution, op->e, op->hat);
+        ph_i_operator_backward(op, op->hat, op->hat, f);
         scale_field(op, -op->share, n, f);
-        free(fhat);
     } else {
         ph_i_stencil_divergence(op->stencil, op->e, -op->share, false, op->pad, f);
     }
@@ -411,7 +410,6 @@ void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
         ph_i_stencil_strain(op->stencil, u, macro, op->pad, strain);
         return;
     }
-    if (need_hat(op) != PH_OK) return;
     ph_i_operator_forward(op, u, op->hat);
     ph_i_convolution_strain(&op->convolution, op->hat, 1.0 / (double)l->cells, strain);
     for (int i = 0; macro && i < l->ns; i++)
@@ -456,7 +454,7 @@ void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
                       &energy->modes);
         }
     }
-    if (!op->spectral || need_hat(op) != PH_OK) return;
+    if (!op->spectral) return;
     ph_i_operator_forward(op, u, op->hat);
     ptrdiff_t row = ph_i_fft_row(op->fft);
     for (int a = 0; a < l->nd; a++)

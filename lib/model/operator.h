@@ -33,7 +33,7 @@ typedef struct ph_operator {
     double *u, *f;      /* [nd][cells] */
     double *e;          /* [ns][cells], stencil and convolution */
     double *pad;        /* stencil */
-    double *hat;        /* [nd][modes] complex, for real-space calls that need it */
+    double *hat, *hat2; /* [nd][modes] complex, where fields pass through Fourier space */
     long applications;
 } ph_operator;
 
@@ -44,7 +44,9 @@ void ph_i_operator_free(ph_operator **op);
 
 /** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
 void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);
-/** f = A u, [nd][cells]. */
+/** Make ready for ph_i_operator_apply: a solver whose vectors are fields calls it once. */
+ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err);
+/** f = A u, [nd][cells]. Only after ph_i_operator_in_space. */
 void ph_i_operator_apply(ph_operator *op, const double *u, double *f);
 /** f = -B^T C macro, the load of a macro strain [ns] Mandel. */
 void ph_i_operator_load(ph_operator *op, const double *macro, double *f);

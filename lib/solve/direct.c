@@ -169,6 +169,7 @@ ph_status ph_i_direct_init(const ph_system *system, void **state, ph_error *err)
     PH_DOUBLES(s->x, s->meter, size, "the solution");
     PH_DOUBLES(s->r, s->meter, size, "the residual");
     PH_DOUBLES(s->q, s->meter, size, "the product");
+    PH_TRY(ph_i_operator_in_space(s->op, err));
     const ph_bondlist *list = s->op->bonds;
     if (!list) {
         PH_TRY(ph_i_bondlist_new(&s->setting->box, s->op->map, system->params, s->meter,
