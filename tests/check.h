@@ -5,6 +5,7 @@
 #define TESTS_CHECK_H
 
 /* clang-format off: cmocka.h needs the others before it */
+#include <cmocka.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,8 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 /* clang-format on */
 
 static int check_failures;
@@ -29,7 +28,8 @@ static int check_failures;
     } while (0)
 
 /* |got - want| <= tol */
-#define CHECK_ABS(got, want, tol) check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
+#define CHECK_ABS(got, want, tol)                                                        \
+    check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
 /* |got - want| <= tol |want| */
 #define CHECK_REL(got, want, tol)                                                        \
     check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol)*fabs((double)(want)))
@@ -49,8 +49,8 @@ static inline void check_abs_(const char *file, int line, const char *what, doub
 {
     if (fabs(got - want) <= tol) return;
     check_failures++;
-    print_error("%s:%d: %s: got %.17g, want %.17g, error %.3g, tolerance %.3g\n", file, line,
-                what, got, want, got - want, tol);
+    print_error("%s:%d: %s: got %.17g, want %.17g, error %.3g, tolerance %.3g\n", file,
+                line, what, got, want, got - want, tol);
 }
 
 #define CHECK_END()                                                                      \
