@@ -4,8 +4,8 @@
 #ifndef TESTS_CHECK_H
 #define TESTS_CHECK_H
 
-/* clang-format off: cmocka.h needs the others before it */
-#include <cmocka.h>
+/* cmocka.h needs the others before it. */
+/* clang-format off */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,6 +14,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
 /* clang-format on */
 
 static int check_failures;
