@@ -4,6 +4,7 @@
 #ifndef TESTS_CHECK_H
 #define TESTS_CHECK_H
 
+/* clang-format off: cmocka.h needs the others before it */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,6 +15,7 @@
 #include <string.h>
 
 #include <cmocka.h>
+/* clang-format on */
 
 static int check_failures;
 
@@ -30,7 +32,7 @@ static int check_failures;
 #define CHECK_ABS(got, want, tol) check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
 /* |got - want| <= tol |want| */
 #define CHECK_REL(got, want, tol)                                                        \
-    check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol)*fabs(want))
+    check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol)*fabs((double)(want)))
 /* the call succeeds; prints the message of `err` if not */
 #define CHECK_OK(call)                                                                   \
     do {                                                                                 \

@@ -1,2 +1,626 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-typedef int ph_i_empty;
+#include "model/cells.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Mode lines of one cell row, by direction: the gradient g[component][direction], and the
+ * raw hourglass sums q[component][pair], pair 0: 23, 1: 13, 2: 12, 3: 123. */
+enum { PAIRS = 4, LINES = 3 * 3 + 3 * PAIRS + 3 };
+
+typedef struct row {
+    double *g[3][3], *q[3][PAIRS]; /* read; a line of zeros where there is no such mode */
+    double *t[3][3], *p[3][PAIRS]; /* written; a waste line where there is none */
+    double *tmp;
+} row;
+
+static bool has_modes(const ph_cells *c)
+{
+    return c->c1 != 0.0 || c->c2 != 0.0 || c->hourglass != 0.0;
+}
+
+ph_status ph_i_cells_init(ph_cells *cells, const ph_layout *layout,
+                          const ph_stiffness_map *map, double c1, double c2,
+                          double hourglass, int threads, ph_meter *meter, ph_error *err)
+{
+    ph_status st = PH_OK;
+    memset(cells, 0, sizeof *cells);
+    cells->layout = *layout;
+    cells->map = map;
+    cells->c1 = c1;
+    cells->c2 = c2;
+    cells->hourglass = hourglass;
+    cells->threads = threads > 0 ? threads : 1;
+    double corners = 1.0;
+    for (int a = 0; a < 3; a++)
+        if (layout->axis[a] >= 0) corners *= 2.0;
+    for (int a = 0; a < 3; a++)
+        if (layout->axis[a] >= 0) cells->f[layout->axis[a]] = 2.0 / (corners * layout->h[a]);
+    cells->line = (layout->n[2] + 8 + 7) / 8 * 8;
+    PH_DOUBLES(cells->lines, meter, (size_t)(cells->threads * LINES * cells->line),
+               "work lines");
+    PH_DOUBLES(cells->high, meter,
+               (size_t)(cells->threads * 2 * layout->nd * layout->n[1] * layout->n[2]),
+               "work planes");
+out:
+    if (st != PH_OK) ph_i_cells_clear(cells, meter);
+    return st;
+}
+
+void ph_i_cells_clear(ph_cells *cells, ph_meter *meter)
+{
+    const ph_layout *l = &cells->layout;
+    ph_i_doubles_free(meter, &cells->lines, (size_t)(cells->threads * LINES * cells->line));
+    ph_i_doubles_free(meter, &cells->high,
+                      (size_t)(cells->threads * 2 * l->nd * l->n[1] * l->n[2]));
+}
+
+/* Point the lines of a thread's workspace at their modes. */
+static row row_lines(const ph_cells *c, int thread)
+{
+    row r;
+    const int *ax = c->layout.axis;
+    double *next = c->lines + (ptrdiff_t)thread * LINES * c->line;
+    double *zero = next, *waste = next + c->line;
+    r.tmp = next + 2 * c->line;
+    next += 3 * c->line;
+    memset(zero, 0, sizeof(double) * (size_t)c->line);
+    for (int i = 0; i < 3; i++) {
+        for (int d = 0; d < 3; d++) r.g[i][d] = zero, r.t[i][d] = waste;
+        for (int m = 0; m < PAIRS; m++) r.q[i][m] = zero, r.p[i][m] = waste;
+        if (i >= c->layout.nd) continue;
+        for (int a = 0; a < 3; a++)
+            if (ax[a] >= 0) r.g[i][ax[a]] = r.t[i][ax[a]] = next, next += c->line;
+        for (int a = 0; a < 3; a++)
+            for (int b = a + 1; b < 3; b++)
+                if (ax[a] >= 0 && ax[b] >= 0) {
+                    int pair = 3 - ax[a] - ax[b];
+                    r.q[i][pair] = r.p[i][pair] = next, next += c->line;
+                }
+        if (ax[0] >= 0 && ax[1] >= 0 && ax[2] >= 0)
+            r.q[i][3] = r.p[i][3] = next, next += c->line;
+    }
+    return r;
+}
+
+/* ---- corner sums: the modes of one component of one row of cells -------------------- */
+
+typedef struct sums {
+    const double *r00, *r01, *r10, *r11; /* node rows (i,j) (i,j+1) (i+1,j) (i+1,j+1) */
+    double *gx, *gy, *gz, *xy, *xz, *yz, *xyz;
+    double fx, fy, fz;
+} sums;
+
+static inline void sum3(const sums *s, ptrdiff_t k, ptrdiff_t n, bool modes)
+{
+    double s00 = s->r00[k] + s->r00[n], d00 = s->r00[n] - s->r00[k];
+    double s01 = s->r01[k] + s->r01[n], d01 = s->r01[n] - s->r01[k];
+    double s10 = s->r10[k] + s->r10[n], d10 = s->r10[n] - s->r10[k];
+    double s11 = s->r11[k] + s->r11[n], d11 = s->r11[n] - s->r11[k];
+    s->gx[k] = s->fx * ((s10 + s11) - (s00 + s01));
+    s->gy[k] = s->fy * ((s11 - s10) + (s01 - s00));
+    s->gz[k] = s->fz * ((d10 + d11) + (d00 + d01));
+    if (!modes) return;
+    s->xy[k] = (s11 - s10) - (s01 - s00);
+    s->xz[k] = (d10 + d11) - (d00 + d01);
+    s->yz[k] = (d11 - d10) + (d01 - d00);
+    s->xyz[k] = (d11 - d10) - (d01 - d00);
+}
+
+static inline void sum2(const sums *s, ptrdiff_t k, ptrdiff_t n, bool modes)
+{
+    double s0 = s->r00[k] + s->r00[n], d0 = s->r00[n] - s->r00[k];
+    double s1 = s->r10[k] + s->r10[n], d1 = s->r10[n] - s->r10[k];
+    s->gx[k] = s->fx * (s1 - s0);
+    s->gz[k] = s->fz * (d1 + d0);
+    if (modes) s->xz[k] = d1 - d0;
+}
+
+static void sum_line(const sums *s, ptrdiff_t n, int active, bool modes)
+{
+    const ptrdiff_t last = n - 1;
+    if (active == 3 && modes) {
+#pragma omp simd
+        for (ptrdiff_t k = 0; k < last; k++) sum3(s, k, k + 1, true);
+        sum3(s, last, 0, true);
+    } else if (active == 3) {
+#pragma omp simd
+        for (ptrdiff_t k = 0; k < last; k++) sum3(s, k, k + 1, false);
+        sum3(s, last, 0, false);
+    } else if (active == 2) {
+#pragma omp simd
+        for (ptrdiff_t k = 0; k < last; k++) sum2(s, k, k + 1, modes);
+        sum2(s, last, 0, modes);
+    } else if (active == 1) {
+        for (ptrdiff_t k = 0; k < last; k++) s->gz[k] = s->fz * (s->r00[k + 1] - s->r00[k]);
+        s->gz[last] = s->fz * (s->r00[0] - s->r00[last]);
+    }
+}
+
+static int active_axes(const ph_layout *l)
+{
+    return (l->axis[0] >= 0) + (l->axis[1] >= 0) + (l->axis[2] >= 0);
+}
+
+static void gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_t j, bool modes,
+                   row *r)
+{
+    const ph_layout *l = &c->layout;
+    ptrdiff_t i1 = i + 1 < l->n[0] ? i + 1 : 0, j1 = j + 1 < l->n[1] ? j + 1 : 0, n = l->n[2];
+    int x = l->axis[0], y = l->axis[1], z = l->axis[2], active = active_axes(l);
+    for (int a = 0; a < l->nd; a++) {
+        const double *p = u + a * l->cells;
+        sums s = {.r00 = p + (i * l->n[1] + j) * n,
+                  .r01 = p + (i * l->n[1] + j1) * n,
+                  .r10 = p + (i1 * l->n[1] + j) * n,
+                  .r11 = p + (i1 * l->n[1] + j1) * n};
+        if (z >= 0) s.gz = r->g[a][z], s.fz = c->f[z];
+        if (x >= 0) s.gx = r->g[a][x], s.fx = c->f[x], s.xz = r->q[a][3 - x - z];
+        if (y >= 0) {
+            s.gy = r->g[a][y], s.fy = c->f[y];
+            s.xy = r->q[a][3 - x - y], s.yz = r->q[a][3 - y - z], s.xyz = r->q[a][3];
+        }
+        sum_line(&s, n, active, modes);
+    }
+}
+
+static void gather_nothing(const ph_cells *c, row *r)
+{
+    size_t bytes = sizeof(double) * (size_t)c->layout.n[2];
+    for (int a = 0; a < c->layout.nd; a++) {
+        for (int d = 0; d < 3; d++)
+            if (c->f[d] != 0.0) memset(r->g[a][d], 0, bytes);
+        for (int m = 0; m < PAIRS; m++)
+            if (r->p[a][m] == r->q[a][m]) memset(r->q[a][m], 0, bytes);
+    }
+}
+
+/* ---- strain and stress of the modes, four cells at a time ---------------------------- */
+
+#define R2 0.70710678118654752440 /* 1/sqrt(2): Mandel shear */
+
+enum { LANES = 4 };
+typedef double vec __attribute__((vector_size(32)));
+typedef double vec_in_memory __attribute__((vector_size(32), aligned(8), may_alias));
+typedef int64_t lanes __attribute__((vector_size(32)));
+
+static inline vec load(const double *a) { return *(const vec_in_memory *)a; }
+
+/* Store the lanes that belong to the run, keep what stands in the others. */
+static inline void store(double *a, vec v, lanes own)
+{
+    *(vec_in_memory *)a = (vec)(((lanes)v & own) | ((lanes)load(a) & ~own));
+}
+
+static inline vec all(double x) { return (vec){x, x, x, x}; }
+
+/* e += strain of sym(v (x) axis d). nd, d compile-time. */
+static inline void add_column(int nd, vec *e, int d, const vec *v)
+{
+    e[d] += v[d];
+    if (nd == 2) {
+        e[2] += R2 * v[1 - d];
+        return;
+    }
+    const int p = (d + 1) % 3, q = (d + 2) % 3;
+    e[6 - d - p] += R2 * v[p];
+    e[6 - d - q] += R2 * v[q];
+}
+
+/* v = w * column d of the stress */
+static inline void take_column(int nd, const vec *s, int d, double w, vec *v)
+{
+    v[d] = w * s[d];
+    if (nd == 2) {
+        v[1 - d] = w * R2 * s[2];
+        return;
+    }
+    const int p = (d + 1) % 3, q = (d + 2) % 3;
+    v[p] = w * R2 * s[6 - d - p];
+    v[q] = w * R2 * s[6 - d - q];
+}
+
+static inline void hooke(int ns, ph_hooke kind, const double *c, const vec *e, vec *s)
+{
+    const int normal = ns == 6 ? 3 : 2;
+    if (kind == PH_HOOKE_ISOTROPIC) {
+        vec tr = c[1] * (ns == 6 ? e[0] + e[1] + e[2] : e[0] + e[1]);
+        double mu2 = c[ns * ns - 1];
+#pragma GCC unroll 6
+        for (int i = 0; i < ns; i++) s[i] = i < normal ? mu2 * e[i] + tr : mu2 * e[i];
+    } else {
+#pragma GCC unroll 6
+        for (int i = 0; i < ns; i++) {
+            s[i] = c[i * ns] * e[0];
+#pragma GCC unroll 6
+            for (int j = 1; j < ns; j++) s[i] += c[i * ns + j] * e[j];
+        }
+    }
+}
+
+typedef struct weights {
+    double f[3], c1, c2, hourglass, scale;
+    double macro[6];
+} weights;
+
+/* Average strain -> tractions. */
+static inline void mean_mode(int nd, ph_hooke kind, const double *c, const weights *w,
+                             const row *r, ptrdiff_t k, lanes own)
+{
+    const int ns = nd == 3 ? 6 : 3;
+    vec e[6], s[6], v[3];
+#pragma GCC unroll 6
+    for (int i = 0; i < ns; i++) e[i] = all(w->macro[i]);
+#pragma GCC unroll 3
+    for (int d = 0; d < nd; d++) {
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) v[a] = load(&r->g[a][d][k]);
+        add_column(nd, e, d, v);
+    }
+    hooke(ns, kind, c, e, s);
+#pragma GCC unroll 3
+    for (int d = 0; d < nd; d++) {
+        take_column(nd, s, d, w->scale * w->f[d], v);
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) store(&r->t[a][d][k], v[a], own);
+    }
+}
+
+/* p += forces of the modes linear along d, whose gradient has the columns of the other axes. */
+static inline void linear_mode(int nd, ph_hooke kind, const double *c, const weights *w,
+                               int d, vec q[PAIRS][3], vec p[PAIRS][3])
+{
+    const int ns = nd == 3 ? 6 : 3;
+    vec e[6], s[6], v[3];
+#pragma GCC unroll 6
+    for (int i = 0; i < ns; i++) e[i] = all(0.0);
+#pragma GCC unroll 3
+    for (int b = 0; b < nd; b++) {
+        if (b == d) continue;
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) v[a] = w->f[b] * q[3 - d - b][a];
+        add_column(nd, e, b, v);
+    }
+    hooke(ns, kind, c, e, s);
+#pragma GCC unroll 3
+    for (int b = 0; b < nd; b++) {
+        if (b == d) continue;
+        take_column(nd, s, b, w->scale * w->c1 * w->f[b], v);
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) p[3 - d - b][a] += v[a];
+    }
+}
+
+/* p += forces of the mode bilinear in the axes other than d: one column. */
+static inline void bilinear_mode(ph_hooke kind, const double *c, const weights *w, int d,
+                                 vec q[PAIRS][3], vec p[PAIRS][3])
+{
+    vec e[6], s[6], v[3];
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; i++) e[i] = all(0.0);
+#pragma GCC unroll 3
+    for (int a = 0; a < 3; a++) v[a] = w->f[d] * q[3][a];
+    add_column(3, e, d, v);
+    hooke(6, kind, c, e, s);
+    take_column(3, s, d, w->scale * w->c2 * w->f[d], v);
+#pragma GCC unroll 3
+    for (int a = 0; a < 3; a++) p[3][a] += v[a];
+}
+
+/* The modes beside the average. The lines q and p are the same: read all, then write. */
+static inline void other_modes(int nd, ph_hooke kind, const double *c, const weights *w,
+                               const row *r, ptrdiff_t k, lanes own)
+{
+    const int low = nd == 3 ? 0 : 2, high = nd == 3 ? PAIRS : 3;
+    vec q[PAIRS][3], p[PAIRS][3];
+#pragma GCC unroll 4
+    for (int m = low; m < high; m++)
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) {
+            q[m][a] = load(&r->q[a][m][k]);
+            p[m][a] = w->scale * w->hourglass * q[m][a];
+        }
+#pragma GCC unroll 3
+    for (int d = 0; d < nd; d++) linear_mode(nd, kind, c, w, d, q, p);
+    if (nd == 3) {
+#pragma GCC unroll 3
+        for (int d = 0; d < 3; d++) bilinear_mode(kind, c, w, d, q, p);
+    }
+#pragma GCC unroll 4
+    for (int m = low; m < high; m++)
+#pragma GCC unroll 3
+        for (int a = 0; a < nd; a++) store(&r->p[a][m][k], p[m][a], own);
+}
+
+#define RUN(nd, kind)                                                                    \
+    for (ptrdiff_t k = from; k < to; k += LANES) {                                       \
+        lanes own = (lanes){0, 1, 2, 3} < (lanes){to - k, to - k, to - k, to - k};       \
+        mean_mode((nd), (kind), c, w, r, k, own);                                        \
+        if (modes) other_modes((nd), (kind), c, w, r, k, own);                           \
+    }
+
+/* Tractions of a run of cells of one stiffness. */
+static void stress_run(int nd, ph_hooke kind, const double *c, const weights *w,
+                       const row *r, ptrdiff_t from, ptrdiff_t to, bool modes)
+{
+    static const double nothing[36];
+    if (kind == PH_HOOKE_ZERO) kind = PH_HOOKE_ISOTROPIC, c = nothing;
+    if (nd == 3 && kind == PH_HOOKE_ISOTROPIC) {
+        RUN(3, PH_HOOKE_ISOTROPIC)
+    } else if (nd == 3) {
+        RUN(3, PH_HOOKE_GENERAL)
+    } else if (kind == PH_HOOKE_ISOTROPIC) {
+        RUN(2, PH_HOOKE_ISOTROPIC)
+    } else {
+        RUN(2, PH_HOOKE_GENERAL)
+    }
+}
+
+static void stress_line(const ph_cells *c, const int32_t *index, const weights *w,
+                        const row *r, bool modes)
+{
+    ptrdiff_t n = c->layout.n[2], to;
+    weights outside = *w; /* around a body that stands alone: no hourglass term either */
+    outside.hourglass = 0.0;
+    for (ptrdiff_t from = 0; from < n; from = to) {
+        for (to = from + 1; to < n && index[to] == index[from];) to++;
+        const double *m = c->map->c + (ptrdiff_t)index[from] * c->map->ns * c->map->ns;
+        bool body = index[from] != c->map->materials;
+        stress_run(c->layout.nd, c->map->hooke[index[from]], m, body ? w : &outside, r, from,
+                   to, modes);
+    }
+}
+
+/* ---- forces on the corners: the transpose of the sums -------------------------------- */
+
+/* One node row of one component: sa, sb signs of the row along axes 0 and 1. */
+static void scatter_row(const row *r, int a, const int *ax, double sa, double sb,
+                        ptrdiff_t n, bool modes, double *f)
+{
+    const int x = ax[0], y = ax[1], z = ax[2];
+    const double *tz = r->t[a][z], *tx = x >= 0 ? r->t[a][x] : NULL;
+    const double *ty = y >= 0 ? r->t[a][y] : NULL;
+    double *tmp = r->tmp;
+    if (y >= 0 && modes) {
+        const double *xy = r->p[a][3 - x - y], *xz = r->p[a][3 - x - z];
+        const double *yz = r->p[a][3 - y - z], *xyz = r->p[a][3];
+#pragma omp simd
+        for (ptrdiff_t k = 0; k < n; k++) {
+            double A = sa * tx[k] + sb * ty[k] + sa * sb * xy[k];
+            double B = tz[k] + sa * xz[k] + sb * yz[k] + sa * sb * xyz[k];
+            f[k] += A - B;
+            tmp[k] = A + B;
+        }
+    } else if (y >= 0) {
+#pragma omp simd
+        for (ptrdiff_t k = 0; k < n; k++) {
+            double A = sa * tx[k] + sb * ty[k];
+            f[k] += A - tz[k];
+            tmp[k] = A + tz[k];
+        }
+    } else if (x >= 0) {
+        const double *xz = r->p[a][3 - x - z];
+        double m = modes ? sa : 0.0;
+#pragma omp simd
+        for (ptrdiff_t k = 0; k < n; k++) {
+            double A = sa * tx[k], B = tz[k] + (modes ? m * xz[k] : 0.0);
+            f[k] += A - B;
+            tmp[k] = A + B;
+        }
+    } else {
+        for (ptrdiff_t k = 0; k < n; k++) {
+            f[k] -= tz[k];
+            tmp[k] = tz[k];
+        }
+    }
+#pragma omp simd
+    for (ptrdiff_t k = 0; k < n - 1; k++) f[k + 1] += tmp[k];
+    f[0] += tmp[n - 1];
+}
+
+/* Forces of cell row j of a plane on its lower and upper node planes. */
+static void scatter(const ph_cells *c, const row *r, ptrdiff_t j, bool modes, double *low,
+                    ptrdiff_t low_stride, double *high)
+{
+    const ph_layout *l = &c->layout;
+    ptrdiff_t n = l->n[2], j1 = j + 1 < l->n[1] ? j + 1 : 0, plane = l->n[1] * n;
+    for (int a = 0; a < l->nd; a++) {
+        double *lo = low + a * low_stride, *hi = high + a * plane;
+        scatter_row(r, a, l->axis, -1.0, -1.0, n, modes, lo + j * n);
+        if (l->axis[1] >= 0) scatter_row(r, a, l->axis, -1.0, 1.0, n, modes, lo + j1 * n);
+        if (l->axis[0] < 0) continue;
+        scatter_row(r, a, l->axis, 1.0, -1.0, n, modes, hi + j * n);
+        if (l->axis[1] >= 0) scatter_row(r, a, l->axis, 1.0, 1.0, n, modes, hi + j1 * n);
+    }
+}
+
+static void add_plane(const ph_layout *l, const double *plane, ptrdiff_t i, double *f)
+{
+    ptrdiff_t n = l->n[1] * l->n[2];
+    for (int a = 0; a < l->nd; a++) {
+        double *to = f + a * l->cells + i * n;
+        const double *from = plane + a * n;
+#pragma omp simd
+        for (ptrdiff_t k = 0; k < n; k++) to[k] += from[k];
+    }
+}
+
+/* Planes [from, to) of cells. The force on a node plane is always (sum of the cells above)
+ * + (sum of the cells below), so that the bits do not depend on how planes are shared out.
+ * Returns the buffer that holds the forces on node plane `to`. */
+static const double *apply_slab(const ph_cells *c, const double *u, const weights *w,
+                                ptrdiff_t from, ptrdiff_t to, int thread, double *f)
+{
+    const ph_layout *l = &c->layout;
+    ptrdiff_t plane = l->n[1] * l->n[2], buffer = l->nd * plane;
+    double *high[2] = {c->high + 2 * thread * buffer, c->high + (2 * thread + 1) * buffer};
+    bool modes = has_modes(c);
+    row r = row_lines(c, thread);
+    for (ptrdiff_t i = from; i < to; i++) {
+        double *now = high[(i - from) % 2], *before = high[(i - from + 1) % 2];
+        memset(now, 0, sizeof(double) * (size_t)buffer);
+        for (int a = 0; a < l->nd; a++)
+            memset(f + a * l->cells + i * plane, 0, sizeof(double) * (size_t)plane);
+        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
+            if (u)
+                gather(c, u, i, j, modes, &r);
+            else
+                gather_nothing(c, &r);
+            stress_line(c, c->map->index + (i * l->n[1] + j) * l->n[2], w, &r, modes);
+            scatter(c, &r, j, modes, f + i * plane, l->cells, now);
+        }
+        if (i > from) add_plane(l, before, i, f);
+    }
+    return high[(to - from + 1) % 2];
+}
+
+static weights apply_weights(const ph_cells *c, const double *macro, double scale)
+{
+    weights w = {{c->f[0], c->f[1], c->f[2]}, c->c1, c->c2, c->hourglass, scale, {0}};
+    if (macro) memcpy(w.macro, macro, sizeof(double) * (size_t)c->layout.ns);
+    return w;
+}
+
+void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro, double scale,
+                      double *f)
+{
+    const ph_layout *l = &c->layout;
+    weights w = apply_weights(c, macro, scale);
+    int slabs = c->threads < l->n[0] ? c->threads : (int)l->n[0];
+    if (active_axes(l) == 0) {
+        memset(f, 0, sizeof(double) * (size_t)(l->nd * l->cells));
+        return;
+    }
+    /* high[s] ends as the forces of slab s on the first plane of slab s + 1. */
+#pragma omp parallel for num_threads(slabs) schedule(static, 1)
+    for (int s = 0; s < slabs; s++) {
+        ptrdiff_t from = l->n[0] * s / slabs, to = l->n[0] * (s + 1) / slabs;
+        apply_slab(c, u, &w, from, to, s, f);
+    }
+    if (l->axis[0] < 0) return;
+    ptrdiff_t buffer = l->nd * l->n[1] * l->n[2];
+    for (int s = 0; s < slabs; s++) {
+        ptrdiff_t from = l->n[0] * s / slabs, to = l->n[0] * (s + 1) / slabs;
+        add_plane(l, c->high + (2 * s + (to - from + 1) % 2) * buffer, to % l->n[0], f);
+    }
+}
+
+void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *region,
+                     double *f)
+{
+    const ph_layout *l = &c->layout;
+    row r = row_lines(c, 0);
+    ptrdiff_t plane = l->n[1] * l->n[2];
+    double *high = c->high;
+    vec stress[6], v[3];
+    for (int i = 0; i < l->ns; i++) stress[i] = all(sigma[i]);
+    memset(f, 0, sizeof(double) * (size_t)(l->nd * l->cells));
+    for (ptrdiff_t i = 0; i < l->n[0]; i++) {
+        memset(high, 0, sizeof(double) * (size_t)(l->nd * plane));
+        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
+            const uint8_t *here = region + i * plane + j * l->n[2];
+            for (int d = 0; d < l->nd; d++) {
+                take_column(l->nd, stress, d, c->f[d], v);
+                for (int a = 0; a < l->nd; a++)
+                    for (ptrdiff_t k = 0; k < l->n[2]; k++)
+                        r.t[a][d][k] = here[k] ? v[a][0] : 0.0;
+            }
+            scatter(c, &r, j, false, f + i * plane, l->cells, high);
+        }
+        add_plane(l, high, i + 1 < l->n[0] ? i + 1 : 0, f);
+    }
+}
+
+/* ---- averages and fields: not in the loop of a solver --------------------------------- */
+
+static void strain_of(const ph_cells *c, const weights *w, const row *r, ptrdiff_t k,
+                      double *e)
+{
+    int nd = c->layout.nd, ns = c->layout.ns;
+    vec v[3] = {{0}}, sum[6];
+    for (int i = 0; i < ns; i++) sum[i] = all(w->macro[i]);
+    for (int d = 0; d < nd; d++) {
+        for (int a = 0; a < nd; a++) v[a] = all(r->g[a][d][k]);
+        add_column(nd, sum, d, v);
+    }
+    for (int i = 0; i < ns; i++) e[i] = sum[i][0];
+}
+
+void ph_i_cells_strain(const ph_cells *c, const double *u, const double *macro,
+                       double *strain)
+{
+    const ph_layout *l = &c->layout;
+    weights w = apply_weights(c, macro, 1.0);
+    row r = row_lines(c, 0);
+    for (ptrdiff_t i = 0; i < l->n[0]; i++)
+        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
+            gather(c, u, i, j, false, &r);
+            for (ptrdiff_t k = 0; k < l->n[2]; k++) {
+                double e[6];
+                strain_of(c, &w, &r, k, e);
+                for (int a = 0; a < l->ns; a++)
+                    strain[a * l->cells + (i * l->n[1] + j) * l->n[2] + k] = e[a];
+            }
+        }
+}
+
+/* Twice the energy of the modes of one cell: sum of raw amplitude times its force. */
+static void mode_energy(const ph_cells *c, const double *q, const double *m, ph_hooke kind,
+                        ph_cell_energy *energy)
+{
+    weights w = apply_weights(c, NULL, 1.0);
+    const lanes own = {-1, 0, 0, 0};
+    double value[3][PAIRS][LANES] = {{{0}}}, force[3][PAIRS][LANES] = {{{0}}};
+    row one;
+    for (int a = 0; a < 3; a++)
+        for (int p = 0; p < PAIRS; p++) {
+            value[a][p][0] = q[a * PAIRS + p];
+            one.q[a][p] = value[a][p];
+            one.p[a][p] = force[a][p];
+            energy->stabilisation += c->hourglass * q[a * PAIRS + p] * q[a * PAIRS + p];
+        }
+    w.hourglass = 0.0;
+    if (c->layout.nd == 3)
+        other_modes(3, kind, m, &w, &one, 0, own);
+    else
+        other_modes(2, kind, m, &w, &one, 0, own);
+    for (int a = 0; a < 3; a++)
+        for (int p = 0; p < PAIRS; p++) energy->modes += q[a * PAIRS + p] * force[a][p][0];
+}
+
+void ph_i_cells_sums(const ph_cells *c, const double *u, const double *macro,
+                     const uint8_t *region, double *stress, double *strain,
+                     ph_cell_energy *energy)
+{
+    const ph_layout *l = &c->layout;
+    weights w = apply_weights(c, macro, 1.0);
+    row r = row_lines(c, 0);
+    bool modes = has_modes(c);
+    memset(energy, 0, sizeof *energy);
+    for (int a = 0; a < l->ns; a++) stress[a] = strain[a] = 0.0;
+    for (ptrdiff_t i = 0; i < l->n[0]; i++)
+        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
+            gather(c, u, i, j, modes, &r);
+            for (ptrdiff_t k = 0; k < l->n[2]; k++) {
+                ptrdiff_t x = (i * l->n[1] + j) * l->n[2] + k;
+                if (region && !region[x]) continue;
+                int entry = c->map->index[x];
+                double e[6], s[6], q[3 * PAIRS];
+                strain_of(c, &w, &r, k, e);
+                ph_i_hooke(c->map, entry, e, s);
+                for (int a = 0; a < l->ns; a++) {
+                    stress[a] += s[a];
+                    strain[a] += e[a];
+                    energy->mean += s[a] * e[a];
+                }
+                if (!modes) continue;
+                for (int a = 0; a < 3; a++)
+                    for (int p = 0; p < PAIRS; p++)
+                        q[a * PAIRS + p] = a < l->nd ? r.q[a][p][k] : 0.0;
+                mode_energy(c, q, c->map->c + (ptrdiff_t)entry * l->ns * l->ns,
+                            c->map->hooke[entry] == PH_HOOKE_ZERO ? PH_HOOKE_GENERAL
+                                                                  : c->map->hooke[entry],
+                            energy);
+            }
+        }
+}

@@ -1,2 +1,172 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-typedef int ph_i_empty;
+#include "model/stiffness_map.h"
+
+#include <math.h>
+#include <string.h>
+
+static ph_hooke classify(const ph_sym4 *c)
+{
+    int n = c->n, shear = n == 6 ? 3 : 2;
+    double scale = ph_sym4_norm(c), tol = 1e-14 * scale;
+    if (scale == 0.0) return PH_HOOKE_ZERO;
+    double lambda = c->m[0][1], mu2 = c->m[shear][shear];
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double want = (i < shear && j < shear ? lambda : 0.0) + (i == j ? mu2 : 0.0);
+            if (fabs(c->m[i][j] - want) > tol) return PH_HOOKE_GENERAL;
+        }
+    return PH_HOOKE_ISOTROPIC;
+}
+
+static void store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
+{
+    int n = map->ns;
+    double *to = map->c + (ptrdiff_t)entry * n * n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) to[i * n + j] = c->m[i][j];
+    map->hooke[entry] = classify(c);
+}
+
+/* Stiffness of one cut cell: its cuts in painting order, each a laminate. */
+static ph_status mix(const ph_cut *cut, ptrdiff_t n, const ph_sym4 *phase, ph_sym4 *out,
+                     ph_error *err)
+{
+    ph_status st = PH_OK;
+    *out = phase[cut[0].base];
+    for (ptrdiff_t i = 0; i < n; i++) {
+        ph_sym4 under = *out;
+        PH_TRY(ph_sym4_laminate(&under, &phase[cut[i].material], cut[i].fraction,
+                                cut[i].normal, out, err));
+    }
+out:
+    return st;
+}
+
+/* Contrast, softest and middle tensor of the phases that are there. */
+static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *used)
+{
+    double low_min = INFINITY, low_max = 0.0, high_min = INFINITY, high_max = 0.0;
+    double softest = INFINITY, stiffest = 0.0;
+    int soft = -1, stiff = -1;
+    for (int p = 0; p < map->materials; p++) {
+        if (!used[p]) continue;
+        if (ph_sym4_norm(&phase[p]) == 0.0) {
+            map->has_void = true;
+            continue;
+        }
+        double low, high, trace = 0.0;
+        ph_sym4_eigenvalues(&phase[p], &low, &high);
+        for (int i = 0; i < map->ns; i++) trace += phase[p].m[i][i] / map->ns;
+        low_min = fmin(low_min, low);
+        low_max = fmax(low_max, low);
+        high_min = fmin(high_min, high);
+        high_max = fmax(high_max, high);
+        if (trace < softest) softest = trace, soft = p;
+        if (trace > stiffest) stiffest = trace, stiff = p;
+    }
+    map->contrast = soft < 0 ? 1.0 : fmax(low_max / low_min, high_max / high_min);
+    map->softest = soft < 0 ? 0.0 : softest;
+    if (soft >= 0) map->middle = ph_sym4_combine(0.5, &phase[soft], 0.5, &phase[stiff]);
+    map->middle.n = map->ns;
+}
+
+static ph_status reserve(ph_stiffness_map *map, const ph_microstructure *micro,
+                         ptrdiff_t mixed, ph_meter *meter, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(mixed < INT32_MAX - micro->nmaterials - 1, PH_EINVAL,
+             "too many cut cells (%td)", mixed);
+    /* One more entry than there are materials: empty space around the RVE. */
+    map->count = map->materials + 1 + (int)mixed;
+    PH_DOUBLES(map->c, meter, (size_t)map->count * (size_t)(map->ns * map->ns),
+               "the stiffness of cut cells");
+    PH_ALLOC(map->hooke, map->count, "stiffness kinds");
+    PH_ALLOC(map->index, map->cells, "the stiffness index");
+    meter->bytes += sizeof *map->index * (size_t)map->cells;
+    if (meter->bytes > meter->peak) meter->peak = meter->bytes;
+out:
+    return st;
+}
+
+/* Entry of every RVE cell: its phase, or its mixture. */
+static ph_status index_rve(ph_stiffness_map *map, const ph_microstructure *micro,
+                           bool composite, const ph_sym4 *phase, int32_t *entry,
+                           ph_error *err)
+{
+    ph_status st = PH_OK;
+    ptrdiff_t cells = ph_grid_cells(&micro->grid);
+    for (ptrdiff_t x = 0; x < cells; x++) entry[x] = micro->phase[x];
+    int next = map->materials + 1;
+    for (ptrdiff_t i = 0, j; composite && i < micro->ncuts; i = j) {
+        for (j = i + 1; j < micro->ncuts && micro->cuts[j].cell == micro->cuts[i].cell;) j++;
+        ph_sym4 c;
+        PH_TRY(mix(&micro->cuts[i], j - i, phase, &c, err));
+        store(map, next, &c);
+        entry[micro->cuts[i].cell] = next++;
+    }
+    map->count = next;
+out:
+    return st;
+}
+
+ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
+                                 const ptrdiff_t *source, ptrdiff_t cells, ph_meter *meter,
+                                 ph_stiffness_map **out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_stiffness_map *map = NULL;
+    ph_sym4 *phase = NULL;
+    bool *used = NULL;
+    int32_t *entry = NULL;
+    ptrdiff_t rve = ph_grid_cells(&micro->grid);
+    bool composite = interface == PH_INTERFACE_COMPOSITE;
+    *out = NULL;
+    PH_ALLOC(map, 1, "the stiffness map");
+    map->ns = ph_strains(micro->grid.kinematics);
+    map->cells = cells;
+    map->materials = micro->nmaterials;
+    PH_ALLOC(phase, micro->nmaterials, "reduced stiffness");
+    PH_ALLOC(used, micro->nmaterials, "phase flags");
+    PH_ALLOC(entry, rve, "the stiffness index");
+    PH_TRY(reserve(map, micro, composite ? micro->ncuts : 0, meter, err));
+    for (int p = 0; p < micro->nmaterials; p++) {
+        PH_TRY(ph_sym4_reduce(&micro->materials[p].stiffness, micro->grid.kinematics,
+                              &phase[p], err));
+        store(map, p, &phase[p]);
+    }
+    ph_sym4 nothing = {.n = map->ns};
+    store(map, micro->nmaterials, &nothing);
+    for (ptrdiff_t x = 0; x < rve; x++) used[micro->phase[x]] = true;
+    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
+        used[micro->cuts[i].material] = true;
+        if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
+    }
+    measure(map, phase, used);
+    PH_TRY(index_rve(map, micro, composite, phase, entry, err));
+    for (ptrdiff_t x = 0; x < cells; x++) {
+        ptrdiff_t from = source ? source[x] : x;
+        map->index[x] = from >= 0                 ? entry[from]
+                        : from == PH_SOURCE_VOID ? micro->nmaterials
+                                                  : (int32_t)(-2 - from);
+    }
+    *out = map;
+    map = NULL;
+out:
+    free(phase);
+    free(used);
+    free(entry);
+    ph_i_stiffness_map_free(meter, &map);
+    return st;
+}
+
+void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map)
+{
+    if (!map || !*map) return;
+    ph_stiffness_map *m = *map;
+    free(m->c); /* counted with its first size, which is what the meter keeps as peak */
+    free(m->hooke);
+    if (m->index && meter) meter->bytes -= sizeof *m->index * (size_t)m->cells;
+    free(m->index);
+    free(m);
+    *map = NULL;
+}

@@ -22,10 +22,10 @@ typedef struct ph_inclusion {
     double semi_axes[3]; /* ellipse (2), ellipsoid (3) */
     double size[3];      /* box */
     double angle;        /* ellipse, box: about axis 3 */
-    double axis[3];      /* ellipsoid: direction of the first semi-axis; cylinder: its axis */
-    double length;       /* cylinder */
-    int normal;          /* layer: 1, 2 or 3; 0: not given */
-    double from, to;     /* layer */
+    double axis[3];  /* ellipsoid: direction of the first semi-axis; cylinder: its axis */
+    double length;   /* cylinder */
+    int normal;      /* layer: 1, 2 or 3; 0: not given */
+    double from, to; /* layer */
 } ph_inclusion;
 
 /** A voxel file instead of matrix and inclusions. */
@@ -63,8 +63,9 @@ typedef struct ph_case {
 
 /** One complaint about a case file. */
 typedef struct ph_case_issue {
-    int line; /* 1-based, 0: --set or the file as a whole */
-    char message[400];
+    int line;          /* 1-based, 0: --set or the file as a whole */
+    bool warning;      /* the case can be used as it is */
+    char message[400]; /* "key.path: ...", one line without the file's name */
 } ph_case_issue;
 
 /** All complaints, in the order of the file. Zeroed to begin with; freed by _free. */
@@ -73,12 +74,19 @@ typedef struct ph_case_issues {
     ph_case_issue *item;
 } ph_case_issues;
 PH_API void ph_case_issues_free(ph_case_issues *issues);
+/** The line that people read: "file.yaml:14: materials.fibre.nu: 0.62 is not admissible: ...",
+ *  "file.yaml: --set ...". @param[in] name of the file; @param[out] text cut at `size` */
+PH_API void ph_case_issue_text(const ph_case_issue *issue, const char *name, char *text,
+                               size_t size);
 
 /** Read a case file.
  *  @param[in] sets   overrides "key.path=value" (YAML values), applied before checking
  *  @param[out] issues every complaint of the file, each with line, key, value, what is
  *              admissible and the nearest known key; NULL to get only the first in `err`
- *  @return PH_OK; PH_EINVAL / PH_EUNPHYSICAL with `out` NULL; PH_EIO; PH_ENOMEM */
+ *  @return PH_OK (issues then hold warnings only); with `out` NULL: PH_EUNPHYSICAL where all
+ *  that is wrong is physics (nu = 0.62), else PH_EINVAL; PH_EIO; PH_ENOMEM. `err` gets the
+ *  first complaint as ph_case_issue_text writes it.
+ *  Format: docs/case-file.md. Tested: tests/io/test_case.c, tests/io/test_bad_cases.c */
 PH_API ph_status ph_case_read(const char *path, const char *const *sets, size_t nsets,
                               ph_case **out, ph_case_issues *issues, ph_error *err);
 /** The same from text; `name` stands for the file in messages. */

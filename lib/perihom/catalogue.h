@@ -21,12 +21,13 @@ typedef struct ph_catalogue {
     const char *name;  /* "models", "solvers", ... */
     const char *title; /* one line */
     const void *first;
-    size_t count, stride;
+    const size_t *count; /* entries */
+    size_t stride;       /* bytes from one to the next */
 } ph_catalogue;
 
 /** The catalogues of libperihom, ended by an entry with name NULL. */
 PH_API const ph_catalogue *ph_catalogues(void);
-/** Entry `i` of a catalogue. 0 <= i < count. */
+/** Entry `i` of a catalogue. 0 <= i < *count. */
 PH_API const ph_entry *ph_catalogue_entry(const ph_catalogue *catalogue, size_t i);
 /** Index of the entry called `name`, or -1. */
 PH_API int ph_catalogue_find(const ph_catalogue *catalogue, const char *name);

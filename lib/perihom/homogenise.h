@@ -15,13 +15,16 @@ typedef enum ph_stabilisation {
     PH_STABILISE_NONE
 } ph_stabilisation;
 
-typedef enum ph_interface { PH_INTERFACE_COMPOSITE, PH_INTERFACE_NODE_CENTRE } ph_interface;
+typedef enum ph_interface {
+    PH_INTERFACE_COMPOSITE,
+    PH_INTERFACE_NODE_CENTRE
+} ph_interface;
 
 /** What a bond does, and where. Zeroed: all defaults. */
 typedef struct ph_model_params {
-    const char *kind;       /* in ph_models[]: "nosb" (NULL), "local" */
-    ph_points points;       /* of nosb */
-    double horizon;         /* 0: default (2 spacings for nodes, smallest for stress points) */
+    const char *kind; /* in ph_models[]: "nosb" (NULL), "local" */
+    ph_points points; /* of nosb */
+    double horizon;   /* 0: default (2 spacings for nodes, smallest for stress points) */
     bool horizon_is_length; /* else in spacings of the first axis */
     const char *influence;  /* in ph_influences[]; NULL: "constant" */
     const char *weights;    /* in ph_volume_weights[]; NULL: "linear" */
@@ -36,8 +39,12 @@ typedef struct ph_solver_params {
     int max_iterations; /* 0: 2000 */
 } ph_solver_params;
 
-/** Collar material of linear_displacement. */
-typedef enum ph_collar { PH_COLLAR_PERIODIC, PH_COLLAR_MATRIX } ph_collar;
+/** Where linear_displacement has its boundary volume, two horizons thick. */
+typedef enum ph_collar {
+    PH_COLLAR_INSIDE, /* one horizon of it inside the RVE, whose averages are then exact */
+    PH_COLLAR_PERIODIC, /* all outside, filled by the periodic continuation */
+    PH_COLLAR_MATRIX    /* all outside, filled by collar_material */
+} ph_collar;
 
 typedef struct ph_constraint_params {
     const char *kind; /* in ph_constraints[]; NULL: "periodic" */
@@ -62,10 +69,11 @@ typedef struct ph_problem {
  *  engineering shear. */
 typedef struct ph_fields {
     int load;
-    int nu, ns;           /* components of displacement, strain */
-    double *displacement; /* [nu][cells] */
-    double *strain;       /* [ns][cells] */
-    double *stress;       /* [ns][cells] */
+    double macro_strain[6]; /* eps_bar of the load, Voigt order, engineering shear */
+    int nu, ns;             /* components of displacement, strain */
+    double *displacement;   /* [nu][cells] */
+    double *strain;         /* [ns][cells] */
+    double *stress;         /* [ns][cells] */
 } ph_fields;
 
 #define PH_MAX_NOTES 16
@@ -73,7 +81,7 @@ typedef struct ph_fields {
 /** What came out, what it cost and what it is worth. Owns its arrays. */
 typedef struct ph_result {
     ph_grid grid;
-    ph_sym4 stiffness; /* effective, Mandel; rows of unsolved loads are zero */
+    ph_sym4 stiffness; /* effective, Mandel; column a is load a, zero where not solved */
     unsigned loads;    /* which columns were solved */
     ph_sym4 voigt, reuss;
     bool reuss_is_zero; /* a void phase: the lower bound is zero */
@@ -93,7 +101,10 @@ typedef struct ph_result {
     int iterations[6];
     double residual[6];
     bool converged;
-    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>| */
+    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>|, the energy of
+                                  * the stabilisation counted with <s:e> */
+    double strain_average;       /* worst load: |<e> - eps_bar| / |eps_bar| */
+    double asymmetry;            /* |C - C^T| / |C| before C was made symmetric */
     double stabilisation_energy; /* worst load: share of the total energy */
     long applications;           /* of the operator */
     long ffts;                   /* scalar real transforms */

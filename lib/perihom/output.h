@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What leaves the program. Every file appears under its name only when it is complete; a
+ * call that fails leaves the old file as it was and nothing else behind. */
 #ifndef PERIHOM_OUTPUT_H
 #define PERIHOM_OUTPUT_H
 
@@ -8,19 +10,65 @@
 extern "C" {
 #endif
 
-/** The result document (schema perihom.result/1) as JSON text, malloc'd.
- *  @param[in] c the case it came from, or NULL. Numbers have 17 digits; what is not a
- *  number is null with its reason under "reasons". */
-PH_API ph_status ph_result_to_json(const ph_result *result, const ph_case *c, char **json,
-                                   ph_error *err);
-/** Write text to a file so that a reader sees the old file or the new one, never half. */
+/** The result document (schema perihom.result/1, docs/results.md) as JSON text, malloc'd.
+ *
+ *  Numbers have 17 digits, so a double comes back as it was. What is not a number is null,
+ *  and "reasons" says why under its dotted path. Columns of load cases that were not solved
+ *  are null, and so is everything that needs them.
+ *  @param[in]  c       the case it came from, or NULL
+ *  @param[in]  command the command line to record, or NULL
+ *  @param[out] json    untouched on failure
+ *  @return PH_OK; PH_EINVAL; PH_ENOMEM. Tested: tests/io/test_result_json.c */
+PH_API ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
+                                   const char *command, char **json, ph_error *err);
+
+/** Write text to a file so that a reader sees the old file or the new one, never half: a
+ *  temporary file in the same folder, fsync, rename. A symbolic link is followed; a device
+ *  or a pipe (/dev/stdout) is written in place.
+ *  @return PH_OK; PH_EIO with what the system says (no space, no permission, no folder).
+ *  Tested: tests/io/test_write_file.c */
 PH_API ph_status ph_write_file(const char *path, const char *text, size_t length,
                                ph_error *err);
-/** Phases and, if kept, the fields of every load: `base`.h5 and `base`.xdmf. */
+
+/** Phases, cuts and materials and, if kept, the fields of every load: `base`.h5 and
+ *  `base`.xdmf, which ParaView and meshio open. Layout: docs/results.md.
+ *
+ *  HDF5 arrays are indexed [z][y][x] (2D: one layer), x fastest, as XDMF wants it. Displacement
+ *  of nodal models is cell data. Where displacement lives at the corners and is periodic
+ *  around the affine field (constraints periodic and linear_displacement), it is node data
+ *  on the closed mesh, continued by the macro strain to the far faces, ready for warping.
+ *  @param[in] result with the fields, or NULL: the microstructure alone
+ *  @param[in] c      for title and units, or NULL
+ *  @return PH_OK; PH_EINVAL (grids differ); PH_EIO; PH_ENOMEM. HDF5 is not thread-safe: one
+ *          call at a time. Memory: two scalar fields. Tested: tests/io/test_fields.c */
 PH_API ph_status ph_write_fields(const char *base, const ph_microstructure *micro,
-                                 const ph_result *result, ph_error *err);
+                                 const ph_result *result, const ph_case *c,
+                                 ph_error *err);
+
+/** What ph_write_fields wrote, in memory again. Owns its arrays. */
+typedef struct ph_fields_file {
+    char title[256];
+    char unit_length[32], unit_stress[32];
+    char git[64]; /* revision that wrote the file */
+    ph_microstructure *micro;
+    unsigned loads; /* bit a: the file has the fields of load a */
+    int nfields;
+    ph_fields *fields; /* [nfields], those that were asked for */
+} ph_fields_file;
+
+/** Read a fields file. @param[in] loads bit a: read the fields of load a; ~0u: all.
+ *  @return PH_OK; PH_EIO (missing, not HDF5, cut off, not ours); PH_EINVAL (contents not
+ *          admissible); PH_ENOMEM. Tested: tests/io/test_fields.c */
+PH_API ph_status ph_read_fields(const char *path, unsigned loads, ph_fields_file **out,
+                                ph_error *err);
+PH_API void ph_fields_file_free(ph_fields_file **file);
+
 /** A picture of a scalar cell field: 2D as it is, 3D the slice through the middle of
- *  `axis` (1, 2 or 3). Colour bar with its range, title on top. Axis 1 to the right, axis 2 up. */
+ *  `axis` (1, 2 or 3). Colour bar with its range, title on top. Of the two axes that are
+ *  left the first points to the right, the second up. Dark to bright is low to high with
+ *  even steps in lightness; a field with both signs gets blue and red around zero. Cells
+ *  that are NaN are grey. @param[in] value [cells]; title ASCII, may be NULL.
+ *  @return PH_OK; PH_EINVAL; PH_EIO; PH_ENOMEM. Tested: tests/io/test_png.c */
 PH_API ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value,
                               int axis, const char *title, ph_error *err);
 /** A picture of the phases, one colour a material with a legend; cut cells are mixed. */

@@ -1,2 +1,126 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-typedef int ph_i_empty;
+/* Conjugate gradients with the homogeneous medium as preconditioner. Periodic: the vectors
+ * stay in Fourier space, where the preconditioner is a product. Held nodes: the vectors are
+ * fields, and both the operator and the preconditioner are masked. */
+#include "solve/solver.h"
+
+#include <string.h>
+
+typedef struct fft_cg {
+    ph_operator *op;
+    ph_meter *meter;
+    const uint8_t *fixed; /* NULL: vectors in Fourier space */
+    ph_green green;
+    ph_space space;
+    double *x, *r, *p, *q;
+    double *hat; /* held nodes: [nd][modes] complex */
+} fft_cg;
+
+static void apply_hat(void *self, const double *p, double *q)
+{
+    ph_i_operator_apply_hat(((fft_cg *)self)->op, p, q);
+}
+
+static void precondition_hat(void *self, const double *r, double *z)
+{
+    ph_i_green_apply(&((fft_cg *)self)->green, r, z);
+}
+
+static void mask(const fft_cg *s, double *u)
+{
+    const ph_layout *l = &s->op->layout;
+    for (int a = 0; a < l->nd; a++)
+#pragma omp parallel for num_threads(s->op->threads) schedule(static)
+        for (ptrdiff_t x = 0; x < l->cells; x++)
+            if (s->fixed[x]) u[a * l->cells + x] = 0.0;
+}
+
+static void apply_masked(void *self, const double *p, double *q)
+{
+    fft_cg *s = self;
+    ph_i_operator_apply(s->op, p, q);
+    mask(s, q);
+}
+
+static void precondition_masked(void *self, const double *r, double *z)
+{
+    fft_cg *s = self;
+    ph_i_operator_forward(s->op, r, s->hat);
+    ph_i_green_apply(&s->green, s->hat, s->hat);
+    ph_i_operator_backward(s->op, s->hat, s->hat, z);
+    mask(s, z);
+}
+
+void ph_i_fft_cg_free(void **state)
+{
+    fft_cg *s = *state;
+    if (!s) return;
+    size_t n = ph_i_space_size(&s->space);
+    ph_i_doubles_free(s->meter, &s->x, n);
+    ph_i_doubles_free(s->meter, &s->r, n);
+    ph_i_doubles_free(s->meter, &s->p, n);
+    ph_i_doubles_free(s->meter, &s->q, n);
+    ph_i_doubles_free(s->meter, &s->hat, (size_t)(2 * s->op->layout.nd * s->op->modes));
+    ph_i_green_clear(&s->green, s->meter);
+    ph_i_space_clear(&s->space);
+    free(s);
+    *state = NULL;
+}
+
+ph_status ph_i_fft_cg_init(const ph_system *system, void **state, ph_error *err)
+{
+    ph_status st = PH_OK;
+    fft_cg *s = NULL;
+    void *self = NULL;
+    PH_ALLOC(s, 1, "the solver");
+    self = s;
+    s->op = system->op;
+    s->meter = system->meter;
+    s->fixed = system->setting->fixed;
+    PH_TRY(ph_i_space_init(&s->space, &s->op->layout, s->fixed ? NULL : s->op->fft,
+                           s->op->threads, err));
+    PH_TRY(ph_i_green_init(&s->green, s->op, &s->op->map->middle, err));
+    size_t n = ph_i_space_size(&s->space);
+    PH_DOUBLES(s->x, s->meter, n, "the solution");
+    PH_DOUBLES(s->r, s->meter, n, "the residual");
+    PH_DOUBLES(s->p, s->meter, n, "the direction");
+    PH_DOUBLES(s->q, s->meter, n, "the product");
+    if (s->fixed) PH_TRY(ph_i_operator_in_space(s->op, err));
+    if (s->fixed)
+        PH_DOUBLES(s->hat, s->meter, (size_t)(2 * s->op->layout.nd * s->op->modes),
+                   "the transformed residual");
+    *state = self;
+    self = NULL;
+out:
+    ph_i_fft_cg_free(&self);
+    return st;
+}
+
+ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
+                            ph_cg_report *report, ph_error *err)
+{
+    fft_cg *s = state;
+    const ph_layout *l = &s->op->layout;
+    ph_linear system = {&s->space, s, apply_hat, precondition_hat};
+    if (s->fixed) {
+        system.apply = apply_masked;
+        system.precondition = precondition_masked;
+        memcpy(s->r, load, sizeof(double) * (size_t)(l->nd * l->cells));
+        mask(s, s->r);
+    } else {
+        ph_i_operator_forward(s->op, load, s->r);
+        for (int a = 0; a < l->nd; a++) /* the mean force is round-off */
+            s->r[2 * a * s->op->modes] = s->r[2 * a * s->op->modes + 1] = 0.0;
+    }
+    ph_status st = ph_i_cg(&system, s->x, s->r, s->p, s->q, report, err);
+    if (s->fixed)
+        memcpy(u, s->x, sizeof(double) * (size_t)(l->nd * l->cells));
+    else
+        ph_i_operator_backward(s->op, s->x, s->q, u);
+    return st;
+}
+
+const char *ph_i_fft_cg_refuses(const ph_system *system)
+{
+    return system->one_sided ? "families cut at the faces are no convolution" : NULL;
+}

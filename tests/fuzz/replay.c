@@ -1,43 +1,47 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Without libFuzzer: runs the target on every file of the folders given, and on nothing. */
+/* Without libFuzzer: run a fuzz target over every file of the folders given. */
 #include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static int replay(const char *path)
+enum { MAX_INPUT = 1 << 20 };
+
+static int replay_file(const char *path, uint8_t *buffer)
 {
-    struct stat info;
-    FILE *f = fopen(path, "rb");
-    if (!f || fstat(fileno(f), &info) != 0) return -1;
-    if (!S_ISREG(info.st_mode)) return fclose(f);
-    uint8_t *data = malloc((size_t)info.st_size + 1); /* exact for the sanitizers: no slack read */
-    size_t size = data ? fread(data, 1, (size_t)info.st_size, f) : 0;
-    fclose(f);
-    uint8_t *exact = realloc(data, size ? size : 1);
-    LLVMFuzzerTestOneInput(exact ? exact : data, size);
-    free(exact ? exact : data);
-    return 0;
+    FILE *file = fopen(path, "rb");
+    if (!file) return 1;
+    size_t size = fread(buffer, 1, MAX_INPUT, file);
+    fclose(file);
+    fprintf(stderr, "%s\n", path); /* the last line names the one that crashed */
+    return LLVMFuzzerTestOneInput(buffer, size);
+}
+
+static int replay_folder(const char *folder, uint8_t *buffer, long *files)
+{
+    DIR *all = opendir(folder);
+    int failed = all == NULL;
+    for (struct dirent *entry; all && (entry = readdir(all));) {
+        char path[4096];
+        if (entry->d_name[0] == '.') continue;
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        failed |= replay_file(path, buffer);
+        ++*files;
+    }
+    if (all) closedir(all);
+    return failed;
 }
 
 int main(int argc, char **argv)
 {
-    int files = 0;
-    const uint8_t nothing[1] = {0};
-    LLVMFuzzerTestOneInput(nothing, 0);
-    for (int i = 1; i < argc; i++) {
-        DIR *d = opendir(argv[i]);
-        if (!d) return fprintf(stderr, "cannot open %s\n", argv[i]), 1;
-        for (struct dirent *e; (e = readdir(d)) != NULL;) {
-            char path[1024];
-            snprintf(path, sizeof path, "%s/%s", argv[i], e->d_name);
-            if (e->d_name[0] != '.' && replay(path) == 0) files++;
-        }
-        closedir(d);
-    }
-    printf("%d files\n", files);
-    return argc > 1 && files == 0;
+    uint8_t *buffer = malloc(MAX_INPUT);
+    long files = 0;
+    int failed = buffer == NULL;
+    for (int i = 1; i < argc && buffer; i++)
+        failed |= replay_folder(argv[i], buffer, &files);
+    free(buffer);
+    fprintf(stderr, "%ld files\n", files);
+    return failed || files == 0;
 }

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Every catalogue of the library in one table. */
+#include <perihom/estimates.h>
+
+#include "model/models.h"
+#include "solve/solver.h"
+
+static const ph_catalogue catalogues[] = {
+    {"models", "what a bond does", ph_models, &ph_nmodels, sizeof *ph_models},
+    {"constraints", "what closes the RVE problem", ph_constraints, &ph_nconstraints,
+     sizeof *ph_constraints},
+    {"solvers", "how the equations are solved", ph_solvers, &ph_nsolvers,
+     sizeof *ph_solvers},
+    {"influences", "influence functions of the bond length", ph_influences, &ph_ninfluences,
+     sizeof *ph_influences},
+    {"volume_weights", "share of a cell in the family ball", ph_volume_weights,
+     &ph_nvolume_weights, sizeof *ph_volume_weights},
+    {"estimates", "analytic bounds and estimates", ph_estimate_methods,
+     &ph_nestimate_methods, sizeof *ph_estimate_methods},
+    {NULL, NULL, NULL, NULL, 0},
+};
+
+const ph_catalogue *ph_catalogues(void) { return catalogues; }

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Building JSON documents: every helper takes over the values that it is given, a NULL value
+ * means that memory ran out, and what is not a number becomes null with its reason. */
+#ifndef PH_IO_JSON_H
+#define PH_IO_JSON_H
+
+#include <perihom/case.h>
+
+#include "core/check.h"
+
+#include <jansson.h>
+
+/** obj[key] = value; steals `value`, also on failure. */
+ph_status ph_i_json_put(json_t *obj, const char *key, json_t *value, ph_error *err);
+/** Append `value` to an array; steals it, also on failure. */
+ph_status ph_i_json_add(json_t *array, json_t *value, ph_error *err);
+/** A string; bytes that are not UTF-8 become '?'. NULL text: null. */
+json_t *ph_i_json_text(const char *text);
+/** A number, or null where there is none (NaN, infinity). */
+json_t *ph_i_json_number(double x);
+/** Row-major matrix as rows; entries that are not finite are null. */
+ph_status ph_i_json_matrix(int n, const double *a, json_t **out, ph_error *err);
+/** obj[key] = x; if x is not finite, null, and reasons[path.key] = why. */
+ph_status ph_i_json_put_number(json_t *obj, const char *path, const char *key, double x,
+                               json_t *reasons, const char *why, ph_error *err);
+/** The document as text with 17 digits, malloc'd. */
+ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err);
+
+/** The resolved case (case_json.c). PH_EINVAL where it holds what JSON cannot. */
+ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err);
+/** Where a result was made: version, git, compiler, libraries, processor, date, command
+ *  (may be NULL). */
+ph_status ph_i_json_provenance(const char *command, json_t **out, ph_error *err);
+
+#endif

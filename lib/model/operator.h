@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The operator of a periodic box: A = sum over parts of B^T C B, plus the spectral
+ * stabilisation. One family part (by convolution, stencil or cell corners), and with (P) a
+ * sub-point part; or all of it by bond lists, where families end at the faces of an RVE. The force is built as the transpose of the gradient, whatever the route. */
+#ifndef PH_MODEL_OPERATOR_H
+#define PH_MODEL_OPERATOR_H
+
+#include "model/bondlist.h"
+#include "model/cells.h"
+#include "model/convolution.h"
+#include "model/operator_params.h"
+#include "model/stencil.h"
+
+typedef struct ph_operator {
+    ph_layout layout;
+    const ph_stiffness_map *map;
+    ph_fft *fft;
+    ph_meter *meter;
+    int threads;
+    ptrdiff_t modes;
+    ph_route route;
+    double share;       /* of the family part: 1 - theta */
+    bool has_cells;
+    ph_cells cells;     /* the cells route, or nothing */
+    ph_stencil *stencil;
+    ph_bondlist *bonds; /* the bonds route, or NULL */
+    bool has_convolution;
+    ph_convolution convolution;
+    int nsub;           /* (P) of nodes: one-sided simplices of each node */
+    ph_stencil *sub[8];
+    double *spectral;   /* [modes] S(k), or NULL */
+    const ph_family *family;
+    double *u, *f;      /* [nd][cells] */
+    double *e;          /* [ns][cells], stencil and convolution */
+    double *pad;        /* stencil */
+    double *hat, *hat2; /* [nd][modes] complex, where fields pass through Fourier space */
+    long applications;
+} ph_operator;
+
+ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
+                            const ph_operator_params *params, ph_meter *meter,
+                            ph_operator **out, ph_error *err);
+void ph_i_operator_free(ph_operator **op);
+
+/** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
+void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);
+/** Make ready for ph_i_operator_apply: a solver whose vectors are fields calls it once. */
+ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err);
+/** f = A u, [nd][cells]. Only after ph_i_operator_in_space. */
+void ph_i_operator_apply(ph_operator *op, const double *u, double *f);
+/** f = -B^T C macro, the load of a macro strain [ns] Mandel. */
+void ph_i_operator_load(ph_operator *op, const double *macro, double *f);
+/** f = B^T sigma of a uniform stress [ns] Mandel in the cells with region[x] != 0: the load
+ *  of a macro stress. Routes cells and bonds. */
+void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *region,
+                        double *f);
+/** Transforms of all displacement components. */
+void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat);
+void ph_i_operator_backward(ph_operator *op, const double *uhat, double *work, double *u);
+
+/** Sums over a region (NULL: all cells) of stress, strain [ns] Mandel, and energies. */
+void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
+                        const uint8_t *region, double *stress, double *strain,
+                        ph_cell_energy *energy);
+/** Strain at the family's points, [ns][cells] Mandel. */
+void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
+                          double *strain);
+/** Symbol of the operator with one stiffness C0 everywhere: P(k) = B^H C0 B + S,
+ *  symmetric nd x nd, packed 00 11 22 12 02 01 (nd = 2: 00 11 01), [nd (nd+1)/2][modes]. */
+ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P, ph_error *err);
+
+static inline const char *ph_i_route_name(ph_route route)
+{
+    static const char *const name[] = {"auto", "cells", "stencil", "convolution", "bonds"};
+    return name[route];
+}
+
+#endif

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The stiffness of every cell: a table of distinct tensors and an index per cell. */
+#ifndef PH_MODEL_STIFFNESS_MAP_H
+#define PH_MODEL_STIFFNESS_MAP_H
+
+#include <perihom/homogenise.h>
+
+#include "core/memory.h"
+
+typedef enum ph_hooke { PH_HOOKE_ZERO, PH_HOOKE_ISOTROPIC, PH_HOOKE_GENERAL } ph_hooke;
+
+typedef struct ph_stiffness_map {
+    int ns;          /* 3 or 6 */
+    ptrdiff_t cells; /* of the box that is solved */
+    int count;       /* distinct tensors: the materials, then one per cut cell */
+    int materials;
+    double *c;       /* [count][ns*ns] Mandel */
+    ph_hooke *hooke; /* [count] */
+    int32_t *index;  /* [cells] into c */
+    bool has_void;
+    double contrast; /* of the phases; 1: homogeneous; voids not counted */
+    double softest;  /* trace / ns of the softest solid phase */
+    ph_sym4 middle;  /* mean of the stiffest and the softest solid: the reference medium */
+} ph_stiffness_map;
+
+enum { PH_SOURCE_VOID = -1 }; /* other negatives: -2 - material */
+
+/** Reduce the phases to the kinematics, mix the cut cells, index every cell.
+ *  @param[in] source [cells] which cell of the RVE stands in each cell of the box, or
+ *             PH_SOURCE_VOID, or -2 - material; NULL: the box is the RVE */
+ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
+                                 const ptrdiff_t *source, ptrdiff_t cells, ph_meter *meter,
+                                 ph_stiffness_map **out, ph_error *err);
+void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
+
+/* s = C e for one cell. */
+static inline void ph_i_hooke(const ph_stiffness_map *map, int entry, const double *e,
+                              double *s)
+{
+    int n = map->ns;
+    const double *c = map->c + (ptrdiff_t)entry * n * n;
+    for (int i = 0; i < n; i++) {
+        s[i] = 0.0;
+        for (int j = 0; j < n; j++) s[i] += c[i * n + j] * e[j];
+    }
+}
+
+#endif

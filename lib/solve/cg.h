@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Preconditioned conjugate gradients on any vectors. */
+#ifndef PH_SOLVE_CG_H
+#define PH_SOLVE_CG_H
+
+#include "solve/space.h"
+
+/** A symmetric positive semidefinite system with its preconditioner. */
+typedef struct ph_linear {
+    const ph_space *space;
+    void *self;
+    void (*apply)(void *self, const double *p, double *q);        /* q = A p */
+    void (*precondition)(void *self, const double *r, double *z); /* z = M r */
+} ph_linear;
+
+/** Where to stop, what to tell, what came out. */
+typedef struct ph_cg_report {
+    double tolerance; /* in: relative residual |r| <= tolerance |b|, 2-norms */
+    int max_iterations;
+    const ph_ctx *ctx;
+    int load, loads; /* for the progress callback */
+    int iterations;  /* out */
+    double residual; /* out: relative */
+} ph_cg_report;
+
+/** Tell the caller where the solver is; true if it is to stop. */
+bool ph_i_told_to_stop(const ph_cg_report *report);
+/** A failure with load, iterations and residual in the message and in `err`. */
+ph_status ph_i_give_up(ph_status status, const ph_cg_report *report, const char *why,
+                       ph_error *err);
+
+/** Solve A x = b from x = 0.
+ *  @param[in,out] r  the right-hand side b; ends as the residual
+ *  @param[out] x     solution, zeroed by the call
+ *  @param p, q       work vectors
+ *  @return PH_OK; PH_ENOCONV with the best iterate in x; PH_ESINGULAR if A is not
+ *          positive semidefinite or b does not belong to it; PH_ECANCELLED. */
+ph_status ph_i_cg(const ph_linear *system, double *x, double *r, double *p, double *q,
+                  ph_cg_report *report, ph_error *err);
+
+#endif

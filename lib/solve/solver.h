@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A solver is a value: what it is called, when it may be used, and three functions. */
+#ifndef PH_SOLVE_SOLVER_H
+#define PH_SOLVE_SOLVER_H
+
+#include "constraint/constraint.h"
+#include "solve/cg.h"
+#include "solve/green.h"
+
+/** What is to be solved: the operator on a box, some of its nodes held. */
+typedef struct ph_system {
+    ph_operator *op;
+    const ph_setting *setting;
+    const ph_operator_params *params; /* what `op` was made of */
+    ph_meter *meter;
+    bool one_sided; /* families end at the faces of the RVE */
+} ph_system;
+
+typedef struct ph_solver_method {
+    ph_entry info;
+    /* NULL, or why this solver cannot take this system */
+    const char *(*refuses)(const ph_system *system);
+    ph_status (*init)(const ph_system *system, void **state, ph_error *err);
+    /* A u = load on the free nodes, u = 0 on the others; real space [nd][cells]. `load` may
+     * be op->f and `u` op->u, the operator's own work fields: take what is needed of `load`
+     * before the operator is applied, and write `u` last. */
+    ph_status (*solve)(void *state, const double *load, double *u, ph_cg_report *report,
+                       ph_error *err);
+    void (*free)(void **state);
+} ph_solver_method;
+
+extern const ph_solver_method ph_solvers[];
+extern const size_t ph_nsolvers;
+
+/* The four functions of a solver NAME are ph_i_NAME_refuses, _init, _solve and _free. */
+#define PH_SOLVER_FUNCTIONS(name)                                                        \
+    const char *ph_i_##name##_refuses(const ph_system *system);                          \
+    ph_status ph_i_##name##_init(const ph_system *system, void **state, ph_error *err);  \
+    ph_status ph_i_##name##_solve(void *state, const double *load, double *u,            \
+                                  ph_cg_report *report, ph_error *err);                  \
+    void ph_i_##name##_free(void **state)
+PH_SOLVER_FUNCTIONS(fft_cg);
+PH_SOLVER_FUNCTIONS(direct);
+PH_SOLVER_FUNCTIONS(relaxation);
+
+/** The solver called `name`, or the one that `auto` (NULL) takes, with the reason in
+ *  `why` [256]. NULL for an unknown name. */
+const ph_solver_method *ph_i_solver_find(const char *name, const ph_system *system,
+                                         char *why);
+
+#endif

@@ -1,0 +1,62 @@
+# Verbs that compute nothing.
+$ perihom version
+> perihom [0-9]*.[0-9]*.[0-9]* (git *)
+> licence   GPL-3.0-or-later
+> compiler  *
+> libraries *FFTW*
+
+$ perihom version --json | json_get licence
+> "GPL-3.0-or-later"
+
+$ perihom --version | head -n 1
+> perihom [0-9]*
+
+$ perihom list
+> *shapes *
+> materials *
+
+$ perihom list shapes
+> *disk *valid: *
+
+$ perihom list shapes --json | json_get catalogues.shapes.entries.0.name
+> "disk"
+
+$ perihom list --json | json_get schema
+> "perihom.list/1"
+
+# A full disk is an error, a closed pipe is not worth a message.
+$ perihom list > /dev/full
+! perihom: error: standard output: No space left on device
+? 5
+
+$ { perihom list; } | true
+
+$ perihom check small.yaml
+> perihom: 1
+> title: "Small"
+> *# generalised plane strain, 256 nodes, * unknowns
+> # phases: matrix 0.5300, fibre 0.4700
+> # memory about *, time about *
+
+# What check prints is a case again, and the same one.
+$ perihom check small.yaml > resolved.yaml && perihom check resolved.yaml | diff - resolved.yaml
+
+$ perihom check small.yaml --json | json_get schema
+> "perihom.check/1"
+
+$ perihom check small.yaml --set microstructure.nodes=\[32,16] --json | json_get estimate.nodes
+> 512
+
+$ perihom check missing.yaml
+! perihom: error: *missing.yaml*
+? 5
+
+$ perihom check small.yaml --set model.kin=local
+! small.yaml: *model.kin*kind*
+? 3
+
+$ ls
+> long.yaml
+> resolved.yaml
+> small.yaml
+> stubborn.yaml

@@ -1,0 +1,114 @@
+# One case from end to end.
+$ perihom run missing.yaml
+! perihom: error: *missing.yaml*
+? 5
+
+$ ls -d *-results
+! ls: *
+? 2
+
+$ perihom run small.yaml
+> Small
+>
+> RVE         16 x 16 nodes, generalised plane strain, periodic
+> model       nosb*
+> phases      matrix 0.5300, fibre 0.4700
+>
+> engineering constants          Reuss .. Voigt
+>   E1    *GPa*..*
+> *stiffness \[GPa], Voigt 11 22 33 23 13 12, engineering shear*
+> solver      *; iterations *; residual *
+> quality     Hill-Mandel *
+> cost        * thread*
+! *perihom: result in small-results/
+
+$ ls -A small-results
+> phases.png
+> result.json
+
+$ json_get schema < small-results/result.json
+> "perihom.result/1"
+
+# stdout is one document, whatever stderr says.
+$ perihom run small.yaml --json -v -o a/b 2> talk | json_get effective.notation; grep -c iteration talk > many; test $(cat many) -gt 6
+> "voigt 11 22 33 23 13 12, engineering shear"
+
+$ ls -A a/b
+> phases.png
+> result.json
+
+# The document on stdout is the document in the folder.
+$ perihom run small.yaml --json -q -o same > same.json && json_get '' < same.json > t1 && json_get '' < same/result.json | diff - t1
+
+# -q: nothing but data.
+$ perihom run small.yaml -q -o quiet > /dev/null
+
+# The bar comes where it is asked for, and never on stdout.
+$ perihom run small.yaml --progress -o bar 2>&1 > /dev/null | tr '\r' '\n' | grep -c 'ETA' > bars; test $(cat bars) -ge 1
+
+$ perihom run small.yaml -qj2 -o two > /dev/null && json_get cost.threads < two/result.json
+> 2
+
+# The same case may be run again; another one may not take its place.
+$ perihom run small.yaml -q > /dev/null
+
+$ perihom run small.yaml -q --set microstructure.nodes=\[8,8]
+! perihom: error: small-results/result.json is the result of another case ('Small'); choose another folder with -o, or overwrite it with --force
+? 5
+
+$ json_get case.microstructure.nodes < small-results/result.json
+> \[16,16]
+
+$ perihom run small.yaml -q --set microstructure.nodes=\[8,8] --set output.fields=true --force > /dev/null && ls -A small-results
+> fields.h5
+> fields.xdmf
+> phases.png
+> result.json
+
+# Files that the new result does not have do not stay from the old one.
+$ perihom run small.yaml -q --force > /dev/null && ls -A small-results
+> phases.png
+> result.json
+
+$ mkdir strange && echo hello > strange/result.json && perihom run small.yaml -q -o strange
+! perihom: error: strange/result.json is there and is not a result of perihom; *
+? 5
+
+$ cat strange/result.json
+> hello
+
+# Folders that cannot be written are found before the work is done.
+$ perihom run small.yaml -q -o small.yaml
+! perihom: error: small.yaml is not a folder
+? 5
+
+$ perihom run small.yaml -q -o small.yaml/in
+! perihom: error: small.yaml/in: Not a directory
+? 5
+
+$ mkdir locked && chmod 555 locked && if test -w locked; then echo 'perihom: error: locked/in: cannot write into locked: Permission denied' >&2; (exit 5); else perihom run small.yaml -q -o locked/in; fi
+! perihom: error: locked/in: cannot write into locked: Permission denied
+? 5
+
+# Not converged: the report, no result.
+$ perihom run stubborn.yaml -q
+> Stubborn
+> *NOT CONVERGED*
+! perihom: error: *
+? 4
+
+$ perihom run stubborn.yaml -q --json 2> /dev/null | json_get solver.converged
+> false
+
+$ ls -d stubborn-results
+! ls: *
+? 2
+
+# A result that stdout could not take is an error, but it is kept.
+$ perihom run small.yaml -q -o full > /dev/full
+! perihom: error: standard output: No space left on device
+? 5
+
+$ ls -A full
+> phases.png
+> result.json
