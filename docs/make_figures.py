@@ -368,6 +368,19 @@ def glass_epoxy_tables(got, series, exact, beyond):
     glass_epoxy_statements(page, got, series, beyond)
 
 
+def thesis_bounds(name, c):
+    """(6-34), (6-35) of the thesis: the spatial Hashin-Shtrikman formulas, with spatial moduli."""
+    K, G = zip(*[(E / (3 - 6 * nu), E / (2 + 2 * nu)) for E, nu in ((3.45, 0.35), (73.1, 0.22))])
+    f = (1 - c, c)
+
+    def of(a, b):
+        if name == "k":
+            return K[a] + f[b] / (1 / (K[b] - K[a]) + 3 * f[a] / (3 * K[a] + 4 * G[a]))
+        t = 6 * f[a] * (K[a] + 2 * G[a]) / (5 * G[a] * (3 * K[a] + 4 * G[a]))
+        return G[a] + f[b] / (1 / (G[b] - G[a]) + t)
+    return of(0, 1), of(1, 0)
+
+
 def glass_epoxy_statements(page, got, series, beyond):
     """The thesis's statements as numbers."""
     def matrix(document):
@@ -395,6 +408,15 @@ def glass_epoxy_statements(page, got, series, beyond):
               / np.linalg.norm(bound("mori_tanaka", c)) for c in inner)
     rows.append(["largest difference of Mori-Tanaka and the lower Hashin-Shtrikman bound",
                  f"{gap:.1e}"])
+    half = inner[9]
+    for name, (i, j), scale in (("k", (0, 1), 0.5), ("G", (2, 2), 1)):
+        def pick(m):
+            return scale * (m[0][0] + m[0][1]) if name == "k" else m[2][2]
+        plane = [pick(bound(f"hashin_shtrikman_{s}", half)) for s in ("lower", "upper")]
+        rows.append([f"{name} at 0.5: bounds of the plane; the thesis's formulas; periodic result",
+                     "{:.3f} to {:.3f}; {:.3f} to {:.3f}; {:.3f}".format(
+                         *plane, *thesis_bounds(name, half),
+                         pick(matrix(got[half, "periodic"])))])
     for c in (inner[0], inner[1], inner[3], inner[5], inner[9]):
         miss = 100 * (bound("dilute", c)[0, 0] / stiffness(got[c, "periodic"], 0, 0) - 1)
         rows.append([f"C11 of dilute against the periodic result at {c:.2f}", f"{miss:+.1f} %"])
@@ -663,8 +685,11 @@ def families():
     axes[0].set(xlabel="horizon [spacings]", ylabel="worst error of six constants [%]",
                 title="influence function (weights linear)")
     axes[1].set(xlabel="horizon [spacings]", title="volume weights (influence constant)")
-    for ax in axes:
-        ax.legend(fontsize=9)
+    for ax, where in zip(axes, ("lower right", "upper left")):
+        ax.legend(fontsize=9, loc=where)
+        ax.set_ylim(0.02, 1)
+        ax.set_yticks([0.02, 0.05, 0.1, 0.2, 0.5, 1], ["0.02", "0.05", "0.1", "0.2", "0.5", "1"])
+        ax.minorticks_off()
     fig.tight_layout()
     save(fig, "families.png")
 
@@ -770,20 +795,21 @@ def draw_readme(h5):
     stress = stress / stress.mean()
     tile = lambda a: np.tile(a, (2, 2))
     fig, axes = plt.subplots(1, 2, figsize=(10, 4.6), width_ratios=(1, 1.13))
-    axes[0].imshow(tile(phase), origin="lower", extent=(0, 2, 0, 2), interpolation="antialiased",
-                   cmap=matplotlib.colors.ListedColormap(["#d9dee3", "#37474f"]))
+    n = 2 * len(phase)
+    at = (np.arange(n) + 0.5) * 2 / n
+    axes[0].set_facecolor("#d9dee3")
+    axes[0].contourf(at, at, tile(phase), levels=[0.5, 1.5], colors=["#37474f"])
     axes[0].text(0.5, 0.5, "boron", color="white", ha="center", va="center")
     axes[0].text(1.0, 1.0, "aluminium", color="#37474f", ha="center", va="center", fontsize=9)
     axes[0].set_title("phases")
-    shown = axes[1].imshow(tile(stress), origin="lower", extent=(0, 2, 0, 2), cmap="cividis",
+    shown = axes[1].imshow(tile(stress), origin="lower", extent=(0, 2, 0, 2), cmap="viridis",
                            interpolation="bilinear")
     angle = np.linspace(0, 2 * np.pi, 200)
     r = math.sqrt(0.47 / math.pi)
     for i in range(2):
         for j in range(2):
-            for ax in axes:
-                ax.plot(i + 0.5 + r * np.cos(angle), j + 0.5 + r * np.sin(angle), color="white",
-                        lw=0.8, alpha=0.8)
+            axes[1].plot(i + 0.5 + r * np.cos(angle), j + 0.5 + r * np.sin(angle),
+                         color="white", lw=0.8, alpha=0.8)
     axes[1].set_title("stress 11 over its mean, stretched along 1")
     fig.colorbar(shown, ax=axes[1], fraction=0.046, pad=0.03)
     for ax in axes:
