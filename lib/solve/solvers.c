@@ -10,6 +10,9 @@ const ph_solver_method ph_solvers[] = {
     {{"fft_cg", "conjugate gradients, homogeneous medium as preconditioner, by FFT",
       "Brisard2010 Leuschner2018", "always"},
      FUNCTIONS(fft_cg)},
+    {{"direct", "assembled matrix, Cholesky factors (CHOLMOD), one for all loads",
+      "Chen2008", "small grids, families cut at the faces"},
+     FUNCTIONS(direct)},
 };
 const size_t ph_nsolvers = sizeof ph_solvers / sizeof *ph_solvers;
 
