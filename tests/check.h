@@ -4,7 +4,8 @@
 #ifndef TESTS_CHECK_H
 #define TESTS_CHECK_H
 
-/* clang-format off: cmocka.h needs the others before it */
+/* cmocka.h needs the others before it. */
+/* clang-format off */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +30,8 @@ static int check_failures;
     } while (0)
 
 /* |got - want| <= tol */
-#define CHECK_ABS(got, want, tol) check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
+#define CHECK_ABS(got, want, tol)                                                        \
+    check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol))
 /* |got - want| <= tol |want| */
 #define CHECK_REL(got, want, tol)                                                        \
     check_abs_(__FILE__, __LINE__, #got, (got), (want), (tol)*fabs((double)(want)))
@@ -49,8 +51,8 @@ static inline void check_abs_(const char *file, int line, const char *what, doub
 {
     if (fabs(got - want) <= tol) return;
     check_failures++;
-    print_error("%s:%d: %s: got %.17g, want %.17g, error %.3g, tolerance %.3g\n", file, line,
-                what, got, want, got - want, tol);
+    print_error("%s:%d: %s: got %.17g, want %.17g, error %.3g, tolerance %.3g\n", file,
+                line, what, got, want, got - want, tol);
 }
 
 #define CHECK_END()                                                                      \

@@ -8,8 +8,9 @@
 /* Iterations to 1e-6 by contrast, as measured for composite cells (docs/performance.md). */
 static double expected_iterations(const ph_stiffness_map *map)
 {
-    return map->has_void ? 110.0 : 12.0 + 8.0 * log10(fmax(1.0, map->contrast)) +
-                                       3.5 * sqrt(fmin(map->contrast, 1e3));
+    return map->has_void ? 110.0
+                         : 12.0 + 8.0 * log10(fmax(1.0, map->contrast)) +
+                               3.5 * sqrt(fmin(map->contrast, 1e3));
 }
 
 /* Doubles per node that the solver keeps, and nanoseconds per node and iteration, measured. */
@@ -22,7 +23,8 @@ static void unit_cost(const ph_run *r, double *doubles, double *ns)
     if (r->setting.fixed) *ns *= cells ? 1.3 : 2.5;
 }
 
-ph_status ph_homogenise_estimate(const ph_problem *problem, ph_estimate *out, ph_error *err)
+ph_status ph_homogenise_estimate(const ph_problem *problem, ph_estimate *out,
+                                 ph_error *err)
 {
     ph_status st = PH_OK;
     ph_run r = {.problem = problem};

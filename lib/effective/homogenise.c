@@ -137,8 +137,8 @@ static ph_status check_problem(const ph_problem *p, ph_error *err)
     PH_CHECK(isfinite(p->model.horizon) && p->model.horizon >= 0.0, PH_EINVAL,
              "horizon must be > 0, got %g", p->model.horizon);
     double v = p->model.stabilisation_value;
-    PH_CHECK(v >= 0.0 && v <= 1.0, PH_EINVAL, "the stabilisation must be in (0, 1], got %g",
-             v);
+    PH_CHECK(v >= 0.0 && v <= 1.0, PH_EINVAL,
+             "the stabilisation must be in (0, 1], got %g", v);
 out:
     return st;
 }
@@ -170,8 +170,8 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
                                   err));
     PH_CHECK(r->map->softest > 0.0, PH_EUNPHYSICAL,
              "every phase of the microstructure is void: its stiffness is zero");
-    PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params,
-                             &r->family, res, err));
+    PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
+                             res, err));
     res->model = ph_i_model_find(p->model.kind)->info.name;
     res->points = r->family ? r->family->points : PH_POINTS_STRESS;
     res->horizon = r->family ? r->family->horizon : 0.0;
@@ -199,7 +199,8 @@ static ph_status build(ph_run *r, ph_error *err)
     bool body = r->constraint->by_stress;
     r->params.one_sided = body && r->family && !r->params.smallest;
     memcpy(r->params.rve, r->result->grid.n, sizeof r->params.rve);
-    PH_TRY(ph_i_operator_new(&r->setting.box, r->map, &r->params, &r->meter, &r->op, err));
+    PH_TRY(
+        ph_i_operator_new(&r->setting.box, r->map, &r->params, &r->meter, &r->op, err));
     r->system = (ph_system){.op = r->op,
                             .setting = &r->setting,
                             .params = &r->params,
@@ -208,8 +209,8 @@ static ph_status build(ph_run *r, ph_error *err)
     r->solver = ph_i_solver_find(r->problem->solver.kind, &r->system, why);
     PH_CHECK(r->solver, PH_EINVAL, "unknown solver '%s'", r->problem->solver.kind);
     const char *no = r->solver->refuses(&r->system);
-    PH_CHECK(!no, PH_EINVAL, "solver '%s' cannot take this case: %s", r->solver->info.name,
-             no);
+    PH_CHECK(!no, PH_EINVAL, "solver '%s' cannot take this case: %s",
+             r->solver->info.name, no);
     if (why[0]) ph_i_note(r->result, "%s", why);
     PH_TRY(r->solver->init(&r->system, &r->state, err));
     r->load = r->op->f;

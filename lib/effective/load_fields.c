@@ -22,7 +22,8 @@ static void macro_strain_of(const ph_run *r, int load, double scale, double *out
 {
     int ns = r->map->ns;
     for (int a = 0; a < ns; a++) {
-        double mandel = ph_i_run_by_stress(r, a) ? r->columns.m[a][load] : (double)(a == load);
+        double mandel =
+            ph_i_run_by_stress(r, a) ? r->columns.m[a][load] : (double)(a == load);
         out[a] = scale * to_voigt(ns, a, mandel, true);
     }
 }
@@ -56,7 +57,8 @@ ph_status ph_i_run_keep_fields(ph_run *r, int load, const double *macro, ph_erro
                     b = b * box->n[d] + at[d] + r->setting.first[d];
                     pos[d] = g->n[d] > 1 ? ((double)at[d] + shift) * g->h[d] : 0.0;
                 }
-                for (int a = 0; a < l->ns; a++) e[a] = strain[a * l->cells + b];
+                for (int a = 0; a < l->ns; a++)
+                    e[a] = strain[a * l->cells + b];
                 ph_i_hooke(r->map, r->map->index[b], e, s);
                 for (int a = 0; a < l->ns; a++) {
                     f->strain[a * cells + x] = scale * to_voigt(l->ns, a, e[a], true);
@@ -75,4 +77,3 @@ out:
     ph_i_doubles_free(&r->meter, &strain, (size_t)(l->ns * l->cells));
     return st;
 }
-

@@ -12,9 +12,11 @@ static const double no_load = 1e-13;
 
 static bool load_is_nothing(const ph_run *r)
 {
-    ptrdiff_t n = r->op->layout.nd * r->op->layout.cells;
+    ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
     double sum = 0.0, stiffest = 0.0, least = INFINITY;
-    for (ptrdiff_t x = 0; x < n; x++) sum += r->load[x] * r->load[x];
+    const uint8_t *held = r->setting.fixed; /* their forces are reactions */
+    for (ptrdiff_t x = 0; x < n; x++)
+        if (!held || !held[x % cells]) sum += r->load[x] * r->load[x];
     for (int i = 0; i < r->map->ns * r->map->ns * (r->map->materials); i++)
         stiffest = fmax(stiffest, fabs(r->map->c[i]));
     for (int d = 0; d < 3; d++)
@@ -52,10 +54,12 @@ static void take_column(ph_run *r, int load, const double *macro, const double *
         r->columns.m[i][load] = by_stress ? strain[i] : stress[i];
     }
     double total = (e.mean + e.modes + e.stabilisation) / n;
-    double theta = r->params.stabilisation == PH_STABILISE_SUBPOINT ? r->params.value : 0.0;
+    double theta =
+        r->params.stabilisation == PH_STABILISE_SUBPOINT ? r->params.value : 0.0;
     double extra = e.stabilisation;
     if (theta > 0.0)
-        extra += r->op->has_cells ? e.modes : e.modes - theta / (1.0 - theta + 1e-300) * e.mean;
+        extra += r->op->has_cells ? e.modes
+                                  : e.modes - theta / (1.0 - theta + 1e-300) * e.mean;
     ph_result *res = r->result;
     res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
     res->strain_average = fmax(res->strain_average, sqrt(off / size));
@@ -71,25 +75,28 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     double unit[6] = {0};
     unit[load] = 1.0;
     const double *macro = ph_i_run_by_stress(r, load) ? NULL : unit;
-    ph_cg_report report = {
-        .tolerance = sp->tolerance > 0.0 ? sp->tolerance : default_tolerance,
-        .max_iterations = sp->max_iterations > 0 ? sp->max_iterations : DEFAULT_ITERATIONS,
-        .ctx = r->ctx,
-        .load = number,
-        .loads = loads};
+    ph_cg_report report = {.tolerance =
+                               sp->tolerance > 0.0 ? sp->tolerance : default_tolerance,
+                           .max_iterations = sp->max_iterations > 0 ? sp->max_iterations
+                                                                    : DEFAULT_ITERATIONS,
+                           .ctx = r->ctx,
+                           .load = number,
+                           .loads = loads};
     if (macro)
         ph_i_operator_load(r->op, macro, r->load);
     else
         ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
     if (load_is_nothing(r))
-        memset(r->u, 0, sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+        memset(r->u, 0,
+               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
     else
         st = r->solver->solve(r->state, r->load, r->u, &report, err);
     res->iterations[res->nloads] = report.iterations;
     res->residual[res->nloads++] = report.residual;
     if (st != PH_OK && st != PH_ENOCONV) return st;
     take_column(r, load, macro, unit);
-    if (r->problem->keep_fields && st == PH_OK) st = ph_i_run_keep_fields(r, load, macro, err);
+    if (r->problem->keep_fields && st == PH_OK)
+        st = ph_i_run_keep_fields(r, load, macro, err);
     return st;
 }
 
@@ -97,10 +104,12 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
-    unsigned all = ph_i_run_all_loads(res), loads = r->problem->loads ? r->problem->loads & all : all;
+    unsigned all = ph_i_run_all_loads(res),
+             loads = r->problem->loads ? r->problem->loads & all : all;
     int count = 0, number = 0;
     if (r->constraint->by_stress) loads = all; /* the compliance is inverted as a whole */
-    for (int a = 0; a < r->map->ns; a++) count += (loads >> a) & 1;
+    for (int a = 0; a < r->map->ns; a++)
+        count += (loads >> a) & 1;
     PH_ALLOC(res->fields, count, "fields");
     r->columns.n = r->map->ns;
     for (int a = 0; a < r->map->ns; a++) {
@@ -122,9 +131,11 @@ static ph_status from_mixed(const ph_run *r, ph_sym4 *c, ph_error *err)
     ph_sym4 A = {.n = ns}, mixed = *c;
     for (int i = 0; i < ns; i++)
         if (ph_i_run_by_stress(r, i)) x[nx++] = i;
-    for (int i = 0; i < ns; i++) A.m[i][i] = 1.0;
+    for (int i = 0; i < ns; i++)
+        A.m[i][i] = 1.0;
     for (int p = 0; p < nx; p++)
-        for (int q = 0; q < nx; q++) A.m[x[p]][x[q]] = mixed.m[x[p]][x[q]];
+        for (int q = 0; q < nx; q++)
+            A.m[x[p]][x[q]] = mixed.m[x[p]][x[q]];
     PH_TRY(ph_sym4_inverse(&A, &A, err));
     for (int i = 0; i < ns; i++)
         for (int j = 0; j < ns; j++) {
@@ -163,4 +174,3 @@ ph_status ph_i_run_stiffness(ph_run *r, ph_error *err)
 out:
     return st;
 }
-

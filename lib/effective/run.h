@@ -22,10 +22,9 @@ typedef struct ph_run {
     const ph_solver_method *solver;
     void *state;
     double *load, *u; /* the operator's work fields, see solver.h */
-    ph_sym4 columns; /* C or, by_stress, the compliance */
+    ph_sym4 columns;  /* C or, by_stress, the compliance */
     ph_result *result;
 } ph_run;
-
 
 /** Check the problem and make the result with its fractions and simple bounds. */
 ph_status ph_i_run_begin(ph_run *run, ph_error *err);

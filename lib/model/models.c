@@ -6,8 +6,8 @@
 #include <string.h>
 
 const ph_model_method ph_models[] = {
-    {{"nosb", "non-ordinary state-based peridynamics, correspondence model", "Silling2007",
-      "always"},
+    {{"nosb", "non-ordinary state-based peridynamics, correspondence model",
+      "Silling2007", "always"},
      true},
     {{"local", "Q1 finite elements on the same grid: the local limit", "Leuschner2018",
       "always"},
@@ -18,7 +18,8 @@ const size_t ph_nmodels = sizeof ph_models / sizeof *ph_models;
 const ph_model_method *ph_i_model_find(const char *name)
 {
     for (size_t i = 0; i < ph_nmodels; i++)
-        if (strcmp(name ? name : "nosb", ph_models[i].info.name) == 0) return &ph_models[i];
+        if (strcmp(name ? name : "nosb", ph_models[i].info.name) == 0)
+            return &ph_models[i];
     return NULL;
 }
 
@@ -110,7 +111,8 @@ static double choose_horizon(const ph_problem *p, ph_points points)
 {
     const ph_grid *g = &p->micro->grid;
     if (p->model.horizon > 0.0)
-        return p->model.horizon_is_length ? p->model.horizon : p->model.horizon * widest(g);
+        return p->model.horizon_is_length ? p->model.horizon
+                                          : p->model.horizon * widest(g);
     return points == PH_POINTS_STRESS ? half_diagonal(g) : default_spacings * widest(g);
 }
 
@@ -145,16 +147,16 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
     if (!model->has_family) return PH_OK;
     const char *influence = p->model.influence ? p->model.influence : "constant";
     const char *weights = p->model.weights ? p->model.weights : "linear";
-    const ph_influence *om = by_name(&ph_influences[0].info, sizeof *ph_influences,
-                                     ph_ninfluences, influence);
-    const ph_volume_weight *be = by_name(&ph_volume_weights[0].info,
-                                         sizeof *ph_volume_weights, ph_nvolume_weights,
-                                         weights);
+    const ph_influence *om =
+        by_name(&ph_influences[0].info, sizeof *ph_influences, ph_ninfluences, influence);
+    const ph_volume_weight *be =
+        by_name(&ph_volume_weights[0].info, sizeof *ph_volume_weights, ph_nvolume_weights,
+                weights);
     PH_CHECK(om, PH_EINVAL, "unknown influence function '%s'", influence);
     PH_CHECK(be, PH_EINVAL, "unknown volume weight '%s'", weights);
     ph_points points = choose_points(p, map, bounded, notes);
-    PH_TRY(ph_family_new(&p->micro->grid, points, choose_horizon(p, points), om, be, family,
-                         err));
+    PH_TRY(ph_family_new(&p->micro->grid, points, choose_horizon(p, points), om, be,
+                         family, err));
     out->family = *family;
     out->smallest = is_smallest(*family);
     choose_stabilisation(p, map, points, bounded, out, notes);

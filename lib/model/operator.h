@@ -19,16 +19,16 @@ typedef struct ph_operator {
     int threads;
     ptrdiff_t modes;
     ph_route route;
-    double share;       /* of the family part: 1 - theta */
+    double share; /* of the family part: 1 - theta */
     bool has_cells;
-    ph_cells cells;     /* the cells route, or nothing */
+    ph_cells cells; /* the cells route, or nothing */
     ph_stencil *stencil;
     ph_bondlist *bonds; /* the bonds route, or NULL */
     bool has_convolution;
     ph_convolution convolution;
-    int nsub;           /* (P) of nodes: one-sided simplices of each node */
+    int nsub; /* (P) of nodes: one-sided simplices of each node */
     ph_stencil *sub[8];
-    double *spectral;   /* [modes] S(k), or NULL */
+    double *spectral; /* [modes] S(k), or NULL */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */
     double *e;          /* [ns][cells], stencil and convolution */
@@ -67,11 +67,13 @@ void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
                           double *strain);
 /** Symbol of the operator with one stiffness C0 everywhere: P(k) = B^H C0 B + S,
  *  symmetric nd x nd, packed 00 11 22 12 02 01 (nd = 2: 00 11 01), [nd (nd+1)/2][modes]. */
-ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P, ph_error *err);
+ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P,
+                               ph_error *err);
 
 static inline const char *ph_i_route_name(ph_route route)
 {
-    static const char *const name[] = {"auto", "cells", "stencil", "convolution", "bonds"};
+    static const char *const name[] = {"auto", "cells", "stencil", "convolution",
+                                       "bonds"};
     return name[route];
 }
 

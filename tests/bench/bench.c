@@ -36,18 +36,21 @@ static const char *const problem_yaml[] = {
     "P2",
     "perihom: 1\ntitle: P2\nunits: {length: mm, stress: GPa, time: s}\n"
     "materials: {m: {E: 68.3, nu: 0.3}, f: {E: 379.3, nu: 0.1}}\n"
-    "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [%d, %d], matrix: m,\n"
+    "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [%d, %d], "
+    "matrix: m,\n"
     "  inclusions: [{shape: disk, centre: [0.5, 0.5], fraction: 0.47, material: f}]}\n",
     "P3",
     "perihom: 1\ntitle: P3\nunits: {length: mm, stress: GPa, time: s}\n"
     "materials: {m: {E: 3.5, nu: 0.35}, f: {E: 70, nu: 0.2}}\n"
     "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
-    "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.25, material: f}]}\n",
+    "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.25, material: "
+    "f}]}\n",
     "SC", /* simple-cubic spheres with exact constants */
     "perihom: 1\ntitle: spheres\nunits: {length: mm, stress: GPa, time: s}\n"
     "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.3}}\n"
     "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
-    "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.2, material: f}]}\n",
+    "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.2, material: "
+    "f}]}\n",
 };
 
 typedef struct scene {
@@ -109,7 +112,8 @@ static void bench_solve(const char *name, int n, const char *model)
     double wall, cpu = solve(&s, 1, n > 100 ? 1 : 3, &wall, &res), v[36];
     int iterations = 0, ns = res->stiffness.n;
     ph_sym4_to_voigt(&res->stiffness, true, v);
-    for (int i = 0; i < res->nloads; i++) iterations += res->iterations[i];
+    for (int i = 0; i < res->nloads; i++)
+        iterations += res->iterations[i];
     ptrdiff_t cells = ph_grid_cells(&res->grid);
     printf("{\"bench\": \"solve\", \"problem\": \"%s\", \"n\": %d, \"model\": \"%s\", "
            "\"route\": \"%s\", \"cpu\": %.4g, \"wall\": %.4g, \"iterations\": %d, "
@@ -126,7 +130,8 @@ static void bench_threads(const char *name, int n)
 {
     scene s = scene_new(name, n, "nosb", false);
     ph_result *one = NULL, *two = NULL;
-    double wall1, wall2, cpu1 = solve(&s, 1, 3, &wall1, &one), cpu2 = solve(&s, 2, 3, &wall2, &two);
+    double wall1, wall2, cpu1 = solve(&s, 1, 3, &wall1, &one),
+                         cpu2 = solve(&s, 2, 3, &wall2, &two);
     bool same = memcmp(&one->stiffness, &two->stiffness, sizeof one->stiffness) == 0;
     printf("{\"bench\": \"threads\", \"problem\": \"%s\", \"n\": %d, \"wall_1\": %.4g, "
            "\"wall_2\": %.4g, \"speedup\": %.3g, \"cpu_1\": %.4g, \"cpu_2\": %.4g, "
@@ -157,8 +162,14 @@ static double time_of(void (*part)(parts *), parts *p)
     return best;
 }
 
-static void part_apply(parts *p) { ph_i_operator_apply_hat(p->op, p->p, p->q); }
-static void part_green(parts *p) { ph_i_green_apply(&p->green, p->r, p->q); }
+static void part_apply(parts *p)
+{
+    ph_i_operator_apply_hat(p->op, p->p, p->q);
+}
+static void part_green(parts *p)
+{
+    ph_i_green_apply(&p->green, p->r, p->q);
+}
 static void part_transforms(parts *p)
 {
     ph_i_operator_backward(p->op, p->p, p->q, p->op->u);
@@ -206,11 +217,12 @@ static double iteration(const ptrdiff_t *n, const char *points, double horizon,
     bool local = strcmp(points, "local") == 0;
     ph_problem problem = {
         .micro = micro,
-        .model = {.kind = local ? "local" : "nosb",
-                  .points = strcmp(points, "nodes") == 0 ? PH_POINTS_NODES : PH_POINTS_STRESS,
-                  .horizon = horizon,
-                  .stabilisation = strcmp(points, "subpoint") == 0 ? PH_STABILISE_SUBPOINT
-                                                                   : PH_STABILISE_SPECTRAL}};
+        .model = {
+            .kind = local ? "local" : "nosb",
+            .points = strcmp(points, "nodes") == 0 ? PH_POINTS_NODES : PH_POINTS_STRESS,
+            .horizon = horizon,
+            .stabilisation = strcmp(points, "subpoint") == 0 ? PH_STABILISE_SUBPOINT
+                                                             : PH_STABILISE_SPECTRAL}};
     parts p = {0};
     if (ph_i_stiffness_map_new(micro, PH_INTERFACE_NODE_CENTRE, NULL, cells, &meter, &map,
                                &err) ||
@@ -228,7 +240,8 @@ static double iteration(const ptrdiff_t *n, const char *points, double horizon,
     p.p = ph_i_doubles_new(&meter, size);
     p.q = ph_i_doubles_new(&meter, size);
     if (!p.x || !p.r || !p.p || !p.q) exit(1);
-    for (size_t i = 0; i < size; i++) p.r[i] = p.p[i] = sin((double)i);
+    for (size_t i = 0; i < size; i++)
+        p.r[i] = p.p[i] = sin((double)i);
     double apply = time_of(part_apply, &p), green = time_of(part_green, &p);
     double vectors = time_of(part_vectors, &p), transforms = time_of(part_transforms, &p);
     double all = apply + green + vectors, ns = 1e9 / (double)cells;
@@ -236,13 +249,14 @@ static double iteration(const ptrdiff_t *n, const char *points, double horizon,
     int nd = p.op->layout.nd, columns = n[2] > 1 ? 6 : 5;
     if (p.op->has_convolution) transforms *= (double)columns / nd;
     if (tell)
-        printf("{\"bench\": \"iteration\", \"n\": [%td, %td, %td], \"points\": \"%s\", "
-               "\"horizon\": %g, \"route\": \"%s\", \"ns_per_node\": %.4g, \"apply\": %.4g, "
-               "\"transforms\": %.4g, \"preconditioner\": %.4g, \"vectors\": %.4g, "
-               "\"transform_share\": %.3g, \"bytes_per_node\": %.4g}\n",
-               n[0], n[1], n[2], points, horizon, ph_i_route_name(p.op->route), all * ns,
-               apply * ns, transforms * ns, green * ns, vectors * ns, transforms / all,
-               (double)meter.peak / (double)cells);
+        printf(
+            "{\"bench\": \"iteration\", \"n\": [%td, %td, %td], \"points\": \"%s\", "
+            "\"horizon\": %g, \"route\": \"%s\", \"ns_per_node\": %.4g, \"apply\": %.4g, "
+            "\"transforms\": %.4g, \"preconditioner\": %.4g, \"vectors\": %.4g, "
+            "\"transform_share\": %.3g, \"bytes_per_node\": %.4g}\n",
+            n[0], n[1], n[2], points, horizon, ph_i_route_name(p.op->route), all * ns,
+            apply * ns, transforms * ns, green * ns, vectors * ns, transforms / all,
+            (double)meter.peak / (double)cells);
     ph_i_doubles_free(&meter, &p.x, size);
     ph_i_doubles_free(&meter, &p.r, size);
     ph_i_doubles_free(&meter, &p.p, size);
@@ -263,8 +277,9 @@ static void bench_horizon(const ptrdiff_t *n)
         two = fmin(two, iteration(n, "nodes", 2.0, PH_ROUTE_CONVOLUTION, i == 2));
         twelve = fmin(twelve, iteration(n, "nodes", 12.0, PH_ROUTE_CONVOLUTION, i == 2));
     }
-    printf("{\"bench\": \"horizon\", \"n\": [%td, %td, %td], \"ratio_12_over_2\": %.3g}\n",
-           n[0], n[1], n[2], twelve / two);
+    printf(
+        "{\"bench\": \"horizon\", \"n\": [%td, %td, %td], \"ratio_12_over_2\": %.3g}\n",
+        n[0], n[1], n[2], twelve / two);
 }
 
 static ph_route route_called(const char *name)
@@ -286,8 +301,8 @@ static int run(const char *word)
         bench_threads(name, size);
     else if (sscanf(word, "horizon:%tdx%tdx%td", &n[0], &n[1], &n[2]) == 3)
         bench_horizon(n);
-    else if (sscanf(word, "iteration:%tdx%tdx%td:%31[^:]:%lf:%31s", &n[0], &n[1], &n[2], name,
-                    &horizon, route) >= 4)
+    else if (sscanf(word, "iteration:%tdx%tdx%td:%31[^:]:%lf:%31s", &n[0], &n[1], &n[2],
+                    name, &horizon, route) >= 4)
         iteration(n, name, horizon, route_called(route), true);
     else
         return 2;
