@@ -93,7 +93,7 @@ typedef struct crowd {
     double *share;  /* [n] visible share of the cell */
     double *chord;  /* [n][2] */
     double *ends;   /* [2 n + 2] */
-    double *breaks; /* [2][2 n + 2] for axes 2 and 3 */
+    double *breaks; /* [2][BREAKS_PER_IMAGE n + 2] for axes 2 and 3 */
 } crowd;
 
 static int ascending(const void *a, const void *b)
@@ -130,18 +130,33 @@ static void add_line(crowd *c, const double x[3], double weight)
     }
 }
 
-/* Places along an axis where an image begins or ends: there the lines jump, and a quadrature
- * must stop. */
-static size_t find_breaks(const crowd *c, int axis, double *at)
+enum { BREAKS_PER_IMAGE = 2 + 8 };
+
+static void add_break(const crowd *c, int axis, double *at, size_t *n, double t)
 {
+    if (t > c->lo[axis] && t < c->hi[axis]) at[(*n)++] = t;
+}
+
+/* Places along an axis where the lines jump or bend, and a quadrature must stop: where an
+ * image begins or ends, and where its surface passes the two faces of the cell at which the
+ * lines end. x holds what the outer quadrature has chosen. */
+static size_t find_breaks(const crowd *c, int axis, const double x[3], double *at)
+{
+    bool inner = axis == c->canvas->dimensions - 1;
     size_t n = 0;
     at[n++] = c->lo[axis];
     at[n++] = c->hi[axis];
     for (ptrdiff_t k = 0; k < c->n; k++) {
         const ph_solid *s = &c->canvas->images[c->mark[k].image].solid;
-        for (int side = -1; side <= 1; side += 2) {
-            double e = s->centre[axis] + side * s->bounds[axis];
-            if (e > c->lo[axis] && e < c->hi[axis]) at[n++] = e;
+        for (int side = -1; side <= 1; side += 2)
+            add_break(c, axis, at, &n, s->centre[axis] + side * s->bounds[axis]);
+        for (int edge = 0; edge < (inner ? 2 : 4); edge++) {
+            double y[3] = {edge & 1 ? c->lo[0] : c->hi[0], x[1], x[2]}, t[2];
+            y[axis] = 0;
+            if (!inner) y[2] = edge & 2 ? c->lo[2] : c->hi[2];
+            if (!ph_i_solid_chord(s, y, axis, t)) continue;
+            for (int e = 0; e < 2; e++)
+                add_break(c, axis, at, &n, t[e]);
         }
     }
     qsort(at, n, sizeof *at, ascending);
@@ -166,9 +181,9 @@ static void add_lines(crowd *c, int axis, double x[3], double weight)
         add_line(c, x, weight);
         return;
     }
-    int panels = c->canvas->dimensions == 2 ? 16 : 3;
-    double *at = c->breaks + (axis - 1) * (2 * c->n + 2);
-    size_t n = find_breaks(c, axis, at);
+    int panels = c->canvas->dimensions == 2 ? 32 : 2;
+    double *at = c->breaks + (axis - 1) * (BREAKS_PER_IMAGE * c->n + 2);
+    size_t n = find_breaks(c, axis, x, at);
     for (size_t i = 0; i + 1 < n; i++) {
         double width = (at[i + 1] - at[i]) / panels, from = at[i];
         double share = weight * width / (c->hi[axis] - c->lo[axis]) / 2;
@@ -211,7 +226,8 @@ static ph_status cut_by_one(const ph_canvas *canvas, const ph_mark *mark, int ba
     return add_cut(canvas->micro, held, &cut, err);
 }
 
-/* Images in a row of one material and with something to see become one cut. The fraction of
+/* Images in a row of one material and with something to see become one cut, along the axis of
+ * their normals weighted by surface and by what is seen of them. The fraction of
  * a cut is its share of what it and all below it are seen to take, so that scaling by the
  * later ones gives back the shares. */
 static ph_status cuts_of_shares(const crowd *c, int base, ptrdiff_t *held, ph_error *err)
@@ -233,7 +249,8 @@ static ph_status cuts_of_shares(const crowd *c, int base, ptrdiff_t *held, ph_er
             if (im->material != material && share > 0) break;
             material = im->material;
             share += c->share[k];
-            double w = mean_normal(&im->solid, c->canvas->dimensions, c->lo, c->hi, n);
+            double w = c->share[k] *
+                       mean_normal(&im->solid, c->canvas->dimensions, c->lo, c->hi, n);
             for (int i = 0; i < 9; i++)
                 sum[i / 3][i % 3] += w * n[i / 3] * n[i % 3];
         }
@@ -260,7 +277,7 @@ static ph_status cut_by_several(const ph_canvas *canvas, const ph_mark *mark, pt
     ph_status st = PH_OK;
     crowd c = {.canvas = canvas, .n = n, .mark = mark};
     ph_i_cell_box(&canvas->micro->grid, mark->cell, c.lo, c.hi);
-    PH_ALLOC(c.share, n + 2 * n + (2 * n + 2) + 2 * (2 * n + 2),
+    PH_ALLOC(c.share, n + 2 * n + (2 * n + 2) + 2 * (BREAKS_PER_IMAGE * n + 2),
              "a cell of many inclusions");
     c.chord = c.share + n;
     c.ends = c.chord + 2 * n;

@@ -63,8 +63,7 @@ PH_API ph_status ph_shape_place(const ph_inclusion *inc, const ph_grid *grid,
 PH_API double ph_solid_level(const ph_solid *solid, const double x[3], double normal[3]);
 /** Volume of the solid inside the box lo..hi; `dimensions` 2: area in the plane of axes 1
  *  and 2. Exact to rounding in 2D and for prisms along an axis; else one-dimensional
- *  adaptive quadrature of exact sections, absolute error below 1e-5 of the box (mostly far
- *  below: 1e-8 is asked of each quadrature). */
+ *  adaptive quadrature of exact sections: error about 1e-6, at the worst 1e-4 of the box. */
 PH_API double ph_solid_overlap(const ph_solid *solid, int dimensions, const double lo[3],
                                const double hi[3]);
 /** Integral of the outward normal over the part of the solid's surface in the box lo..hi:

@@ -226,33 +226,28 @@ double ph_i_solid_section(const ph_solid *s, int axis, double at, const double l
     return q.det <= 1e-24 * trace * trace ? strip_area(&p, &q) : ellipse_area(&p, &q);
 }
 
-/* Gauss-Kronrod 7-15 on [-1, 1]: nodes, Kronrod and Gauss weights (0: not a Gauss node). */
-static const double gk_node[8] = {
-    0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
-    0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
-    0.586087235467691130294144691693013, 0.405845151377397166906606412076961,
-    0.207784955007898467600689403773245, 0.0};
-static const double gk_kronrod[8] = {
-    0.022935322010529224963732008058970, 0.063092092629978553290700663189204,
-    0.104790010322250183839876322541518, 0.140653259715525918745189590510238,
-    0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
-    0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
-static const double gk_gauss[8] = {
-    0, 0.129484966168869693270611432679082, 0, 0.279705391489276667901467771423780,
-    0, 0.381830050505118944950369775488975, 0, 0.417959183673469387755102040816327};
+/* Gauss-Kronrod 3-7 on [-1, 1]: nodes >= 0, Kronrod and Gauss weights. */
+static const double gk_node[4] = {0.960491268708020283423507092629080,
+                                  0.774596669241483377035853079956480,
+                                  0.434243749346802558002071502844628, 0};
+static const double gk_kronrod[4] = {
+    0.104656226026467265193823857192073, 0.268488089868333440728569280666710,
+    0.401397414775962222905051818618432, 0.450916538658474142345110087045571};
+static const double gk_gauss[4] = {0, 0.555555555555555555555555555555556, 0,
+                                   0.888888888888888888888888888888889};
 
 typedef struct box {
     const ph_solid *solid;
     const double *lo, *hi;
-    double tolerance; /* per length */
+    double tolerance; /* of a piece, per length */
 } box;
 
 static double sections(const box *b, double from, double to, int depth)
 {
     double half = (to - from) / 2, middle = (to + from) / 2, kronrod = 0, gauss = 0;
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 4; i++) {
         double f = 0;
-        for (int side = -1; side <= (i < 7 ? 1 : -1); side += 2)
+        for (int side = -1; side <= (i < 3 ? 1 : -1); side += 2)
             f += ph_i_solid_section(b->solid, b->solid->slice,
                                     middle + side * half * gk_node[i], b->lo, b->hi);
         kronrod += gk_kronrod[i] * f;
@@ -262,19 +257,65 @@ static double sections(const box *b, double from, double to, int depth)
     return sections(b, from, middle, depth - 1) + sections(b, middle, to, depth - 1);
 }
 
+enum { PIECES_MAX = 2 + 8 + 12 };
+
+/* Sorts `t` into at[1..n) if it is within. */
+static void add_piece(double *at, int *n, double to, double t)
+{
+    if (!(t > at[0] && t < to)) return;
+    int k = (*n)++;
+    for (; k > 1 && at[k - 1] > t; k--)
+        at[k] = at[k - 1];
+    at[k] = t;
+}
+
+/* Sections change their form where an edge of the box along the slicing axis enters or
+ * leaves the solid, and where a round flat end begins or stops.
+ * @param[out] at [PIECES_MAX] ascending, both ends included. */
+static int find_pieces(const box *b, double from, double to, double *at)
+{
+    const ph_solid *s = b->solid;
+    int a = s->slice, u = (a + 1) % 3, v = (a + 2) % 3, n = 0;
+    double round = 0;
+    at[n++] = from;
+    for (int edge = 0; edge < 4; edge++) {
+        double x[3], t[2];
+        x[a] = 0;
+        x[u] = edge & 1 ? b->lo[u] : b->hi[u];
+        x[v] = edge & 2 ? b->lo[v] : b->hi[v];
+        if (!ph_i_solid_chord(s, x, a, t)) continue;
+        for (int e = 0; e < 2; e++)
+            add_piece(at, &n, to, t[e]);
+    }
+    for (int i = 0; i < 3; i++)
+        if (s->kind[i] == PH_EXTENT_ROUND) round += pow(s->frame[i][a] * s->half[i], 2);
+    for (int i = 0; i < 3; i++) {
+        if (s->kind[i] != PH_EXTENT_FLAT) continue;
+        for (int e = 0; e < 4; e++)
+            add_piece(at, &n, to,
+                      s->centre[a] + (e & 1 ? 1 : -1) * s->frame[i][a] * s->half[i] +
+                          (e & 2 ? 1 : -1) * sqrt(round));
+    }
+    at[n++] = to;
+    return n;
+}
+
 double ph_solid_overlap(const ph_solid *s, int dimensions, const double lo[3],
                         const double hi[3])
 {
     if (dimensions == 2) return ph_i_solid_section(s, 2, s->centre[2], lo, hi);
     int a = s->slice, u = (a + 1) % 3, v = (a + 2) % 3;
-    double from = fmax(lo[a], s->centre[a] - s->bounds[a]);
+    double from = fmax(lo[a], s->centre[a] - s->bounds[a]), sum = 0, at[PIECES_MAX];
     double to = fmin(hi[a], s->centre[a] + s->bounds[a]);
     if (from >= to) return 0;
     if (s->prism) return (to - from) * ph_i_solid_section(s, a, s->centre[a], lo, hi);
-    box b = {s, lo, hi, 1e-8 * (hi[u] - lo[u]) * (hi[v] - lo[v])};
-    /* Two halves at least: a section that opens between the nodes can deceive one rule. */
-    double mid = (from + to) / 2;
-    return sections(&b, from, mid, 12) + sections(&b, mid, to, 12);
+    box b = {s, lo, hi, 2e-7 * (hi[u] - lo[u]) * (hi[v] - lo[v])};
+    int n = find_pieces(&b, from, to, at);
+    for (int i = 0; i + 1 < n; i++) { /* halves: one rule alone is deceived more easily */
+        double mid = (at[i] + at[i + 1]) / 2;
+        sum += sections(&b, at[i], mid, 10) + sections(&b, mid, at[i + 1], 10);
+    }
+    return sum;
 }
 
 /* Area of the solid on the face of the box at `at`; 2D: length on the edge. */

@@ -30,7 +30,9 @@ static const verb_spec list_verb = {
 
 enum { MAX_CATALOGUES = 32 };
 
-/* Those of the library, the shapes, and the built-in materials (none so far). */
+static const size_t nmaterials = 0; /* none are built in so far */
+
+/* Those of the library, the shapes, and the built-in materials. */
 static size_t gather(ph_catalogue all[MAX_CATALOGUES])
 {
     size_t n = 0;
@@ -38,8 +40,8 @@ static size_t gather(ph_catalogue all[MAX_CATALOGUES])
         all[n++] = *c;
     all[n++] = (ph_catalogue){"shapes", "inclusions that a case can place", ph_shapes,
                               &ph_nshapes, sizeof *ph_shapes};
-    all[n++] =
-        (ph_catalogue){"materials", "built-in material data", NULL, 0, sizeof(ph_entry)};
+    all[n++] = (ph_catalogue){"materials", "built-in material data", NULL, &nmaterials,
+                              sizeof(ph_entry)};
     return n;
 }
 
@@ -81,6 +83,8 @@ static void put_entries(const ph_catalogue *c)
     for (size_t i = 0; i < *c->count; i++) {
         const ph_entry *e = ph_catalogue_entry(c, i);
         printf("%-20s %s\n", e->name, e->title);
+        if (c->first == ph_shapes)
+            printf("%-20s keys: %s\n", "", ph_shapes[i].parameters);
         if (e->valid[0]) printf("%-20s valid: %s\n", "", e->valid);
         if (e->reference[0]) printf("%-20s ref: %s\n", "", e->reference);
     }

@@ -10,73 +10,45 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char usage[] =
-    "Usage: perihom view RESULT [-o DIR] [--field NAME] [--load N] [--axis 1|2|3] [-q]\n";
-static const char help[] =
-    "\nPictures (PNG) of the phases and the fields of a result.\n"
-    "\n"
-    "  RESULT         result folder, or its .h5 file\n"
-    "  -o DIR         where the pictures go [beside the .h5 file]\n"
-    "  --field NAME   phases, stress12, strain11, displacement1, von_mises ... [all]\n"
-    "  --load N       load case: its number 1, 2 ... or its strain 11, 22, 12 ... [all]\n"
-    "  --axis N       3D: normal of the middle slice, 1, 2 or 3 [3]\n"
-    "  -q             do not print the paths of the pictures\n"
-    "\n"
-    "Examples:\n"
-    "  perihom view boron-aluminium-results\n"
-    "  perihom view boron-aluminium-results --field von_mises --load 11\n"
-    "  perihom view rve.h5 --field phases --axis 1 -o pictures\n";
-
 typedef struct view_options {
-    const char *result, *folder, *field, *load;
+    text_list operands;
+    const char *folder, *field, *load;
     int axis;
-    bool quiet, help;
+    bool quiet;
 } view_options;
 
-/* The value of option argv[*i], in the next argument or after '='. */
-static const char *option_value(int argc, char **argv, int *i)
-{
-    char *equals = strchr(argv[*i], '=');
-    if (equals && argv[*i][1] == '-') return equals + 1;
-    return *i + 1 < argc ? argv[++*i] : NULL;
-}
+static const option_spec options[] = {
+    {'o', "output", "DIR", OPTION_TEXT, offsetof(view_options, folder),
+     "beside the result", "where the pictures go"},
+    {0, "field", "NAME", OPTION_TEXT, offsetof(view_options, field), "all",
+     "phases, stress12, strain11, displacement1, von_mises ..."},
+    {0, "load", "N", OPTION_TEXT, offsetof(view_options, load), "all",
+     "load case: its number 1, 2 ... or its strain 11, 22, 12 ..."},
+    {0, "axis", "N", OPTION_INTEGER, offsetof(view_options, axis), "3",
+     "3D: normal of the middle slice, 1, 2 or 3"},
+    {'q', "quiet", NULL, OPTION_FLAG, offsetof(view_options, quiet), NULL,
+     "do not print the paths of the pictures"},
+};
 
-static bool is_option(const char *argument, const char *name)
-{
-    size_t n = strlen(name);
-    return strncmp(argument, name, n) == 0 && (argument[n] == 0 || argument[n] == '=');
-}
-
-/* 0, or the exit code of wrong usage with the complaint printed. */
-static int parse(int argc, char **argv, view_options *o)
-{
-    for (int i = 1; i < argc; i++) {
-        const char *a = argv[i], *value = NULL, *axis = NULL;
-        const char **to = is_option(a, "-o")        ? &o->folder
-                          : is_option(a, "--field") ? &o->field
-                          : is_option(a, "--load")  ? &o->load
-                          : is_option(a, "--axis")  ? &axis
-                                                    : NULL;
-        if (strcmp(a, "-h") == 0 || strcmp(a, "--help") == 0) {
-            o->help = true;
-        } else if (strcmp(a, "-q") == 0) {
-            o->quiet = true;
-        } else if (to) {
-            value = option_value(argc, argv, &i);
-            if (!value) return fprintf(stderr, "perihom view: %s needs a value\n", a), 2;
-            *to = value;
-        } else if (a[0] == '-' || o->result) {
-            return fprintf(stderr, "perihom view: '%s' is not known\n%s", a, usage), 2;
-        } else {
-            o->result = a;
-        }
-        if (axis && (axis[0] < '1' || axis[0] > '3' || axis[1]))
-            return fprintf(stderr, "perihom view: --axis is 1, 2 or 3, got '%s'\n", axis), 2;
-        if (axis) o->axis = axis[0] - '0';
-    }
-    if (!o->result && !o->help) return fputs(usage, stderr), 2;
-    return 0;
-}
+static const verb_spec view_verb = {
+    .name = "view",
+    .title = "pictures (PNG) of the phases and the fields of a result",
+    .operands = "RESULT",
+    .operands_min = 1,
+    .operands_max = 1,
+    .operands_offset = offsetof(view_options, operands),
+    .example = {{"perihom view boron-aluminium-results", "every picture there is"},
+                {"perihom view boron-aluminium-results --field von_mises --load 11",
+                 "one field of one load case"},
+                {"perihom view rve.h5 --field phases --axis 1 -o pictures",
+                 "a slice of the phases, into another folder"}},
+    .options = options,
+    .noptions = sizeof options / sizeof *options,
+    .more =
+        "RESULT is a result folder or its .h5 file (output: {fields: true}). Prints the "
+        "paths.\n"
+        "exit codes: 0 done, 2 usage, 3 no such field, 5 file or memory",
+};
 
 /* ---- the file of a result ---- */
 
@@ -90,8 +62,7 @@ static bool ends_with(const char *text, const char *end)
 static int find_file(const char *result, char *path, size_t size)
 {
     struct stat about;
-    if (stat(result, &about) != 0)
-        return fprintf(stderr, "perihom view: '%s': %s\n", result, strerror(errno)), 5;
+    if (stat(result, &about) != 0) return talk("'%s': %s", result, strerror(errno)), 5;
     snprintf(path, size, "%s", result);
     if (!S_ISDIR(about.st_mode)) return 0;
     snprintf(path, size, "%s/fields.h5", result);
@@ -103,8 +74,8 @@ static int find_file(const char *result, char *path, size_t size)
             snprintf(path, size, "%s/%s", result, entry->d_name);
     if (dir) closedir(dir);
     if (found == 1) return 0;
-    fprintf(stderr, "perihom view: '%s' holds %s (output: {fields: true} writes one)\n", result,
-            found ? "several .h5 files: name one" : "no .h5 file");
+    fprintf(stderr, "perihom view: '%s' holds %s (output: {fields: true} writes one)\n",
+            result, found ? "several .h5 files: name one" : "no .h5 file");
     return 5;
 }
 
@@ -135,8 +106,8 @@ static ph_status draw_phases(view *v, ph_error *err)
 {
     char path[4200];
     if (!picture_path(v, "phases", path, sizeof path)) return PH_EIO;
-    ph_status st = ph_write_phases_png(path, v->file->micro, v->options->axis,
-                                       v->file->title, err);
+    ph_status st =
+        ph_write_phases_png(path, v->file->micro, v->options->axis, v->file->title, err);
     if (st != PH_OK) return st;
     v->drawn++;
     if (!v->options->quiet) puts(path);
@@ -151,11 +122,11 @@ static ph_status draw_field(view *v, const ph_fields *f, const char *field,
     const char *load = voigt_name(f->ns, f->load);
     if (v->options->field && strcmp(v->options->field, field) != 0) return PH_OK;
     snprintf(name, sizeof name, "%s-load%s", field, load);
-    snprintf(title, sizeof title, "%s%s%s%s under strain %s", field, unit[0] ? " [" : "", unit,
-             unit[0] ? "]" : "", load);
+    snprintf(title, sizeof title, "%s%s%s%s under strain %s", field, unit[0] ? " [" : "",
+             unit, unit[0] ? "]" : "", load);
     if (!picture_path(v, name, path, sizeof path)) return PH_EIO;
-    ph_status st = ph_write_png(path, &v->file->micro->grid, value, v->options->axis, title,
-                                err);
+    ph_status st =
+        ph_write_png(path, &v->file->micro->grid, value, v->options->axis, title, err);
     if (st != PH_OK) return st;
     v->drawn++;
     if (!v->options->quiet) puts(path);
@@ -171,7 +142,8 @@ static bool von_mises(const view *v, const ph_fields *f)
     if (!f->stress || g->kinematics == PH_PLANE_STRAIN) return false;
     for (size_t x = 0; x < cells; x++) {
         double s[6] = {0};
-        for (int a = 0; a < f->ns; a++) s[f->ns == 6 || a < 2 ? a : 5] = f->stress[(size_t)a * cells + x];
+        for (int a = 0; a < f->ns; a++)
+            s[f->ns == 6 || a < 2 ? a : 5] = f->stress[(size_t)a * cells + x];
         double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
         v->derived[x] = sqrt(0.5 * (a * a + b * b + c * c) +
                              3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
@@ -197,7 +169,8 @@ static ph_status draw_load(view *v, const ph_fields *f, ph_error *err)
                 snprintf(name, sizeof name, "displacement%d", a + 1);
             else
                 snprintf(name, sizeof name, "%s%s", set[k].kind, voigt_name(f->ns, a));
-            st = draw_field(v, f, name, set[k].value + (size_t)a * cells, set[k].unit, err);
+            st = draw_field(v, f, name, set[k].value + (size_t)a * cells, set[k].unit,
+                            err);
         }
     if (st == PH_OK && von_mises(v, f))
         st = draw_field(v, f, "von_mises", v->derived, v->file->unit_stress, err);
@@ -211,60 +184,81 @@ static unsigned load_mask(const char *text, int n)
     for (int a = 0; a < n; a++) {
         char number[8];
         snprintf(number, sizeof number, "%d", a + 1);
-        if (strcmp(text, number) == 0 || strcmp(text, voigt_name(n, a)) == 0) return 1u << a;
+        if (strcmp(text, number) == 0 || strcmp(text, voigt_name(n, a)) == 0)
+            return 1u << a;
     }
     return 0;
 }
 
 static int draw_all(view *v, ph_error *err)
 {
-    const char *field = v->options->field;
+    const view_options *o = v->options;
     int n = ph_strains(v->file->micro->grid.kinematics);
-    unsigned mask = load_mask(v->options->load, n);
+    unsigned mask = load_mask(o->load, n);
     ph_status st = PH_OK;
     if (!mask)
-        return fprintf(stderr, "perihom view: --load is 1 to %d or a strain, got '%s'\n", n,
-                       v->options->load),
-               2;
-    if (!field || strcmp(field, "phases") == 0) st = draw_phases(v, err);
+        return options_usage_error(&view_verb, "--load is 1 to %d or a strain, got '%s'",
+                                   n, o->load);
+    if (!o->field || strcmp(o->field, "phases") == 0) st = draw_phases(v, err);
     for (int i = 0; i < v->file->nfields && st == PH_OK; i++)
-        if (mask >> v->file->fields[i].load & 1u) st = draw_load(v, &v->file->fields[i], err);
-    if (st != PH_OK)
-        return fprintf(stderr, "perihom view: %s\n", err->msg), ph_status_exit_code(st);
+        if (mask >> v->file->fields[i].load & 1u)
+            st = draw_load(v, &v->file->fields[i], err);
+    if (st != PH_OK) return talk_error(err);
     if (v->drawn > 0) return 0;
-    fprintf(stderr, "perihom view: no field '%s'%s%s in this result\n", field,
-            v->options->load ? " of load " : "", v->options->load ? v->options->load : "");
+    talk("no field '%s'%s%s in this result", o->field, o->load ? " of load " : "",
+         o->load ? o->load : "");
     return 3;
+}
+
+/* The folder of a path, "." where it names none. */
+static void folder_of(const char *path, char *folder, size_t size)
+{
+    snprintf(folder, size, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (!slash)
+        snprintf(folder, size, ".");
+    else
+        slash[slash == folder] = 0;
+}
+
+static int draw_file(const view_options *o, const char *path, const char *folder)
+{
+    ph_fields_file *file = NULL;
+    ph_error err = PH_ERROR_INIT;
+    bool fields = !o->field || strcmp(o->field, "phases") != 0;
+    if (ph_read_fields(path, fields ? ~0u : 0, &file, &err) != PH_OK)
+        return talk_error(&err);
+    view v = {.options = o, .file = file, .folder = folder};
+    int code = 5;
+    v.derived = malloc((size_t)ph_grid_cells(&file->micro->grid) * sizeof(double));
+    if (v.derived)
+        code = draw_all(&v, &err);
+    else
+        talk("no memory for the von Mises stress");
+    free(v.derived);
+    ph_fields_file_free(&file);
+    return code;
 }
 
 int cmd_view(int argc, char **argv)
 {
-    view_options o = {.axis = 3};
+    view_options o = {.axis = 0};
     char path[4096], folder[4096];
-    ph_fields_file *file = NULL;
-    ph_error err = PH_ERROR_INIT;
-    int code = parse(argc, argv, &o);
-    if (code) return code;
-    if (o.help) return fputs(usage, stdout), fputs(help, stdout), 0;
-    if ((code = find_file(o.result, path, sizeof path))) return code;
-    snprintf(folder, sizeof folder, "%s", path);
-    char *slash = strrchr(folder, '/');
-    strcpy(slash ? slash + (slash == folder) : folder, slash ? "" : ".");
-    if (o.folder && mkdir(o.folder, 0777) != 0 && errno != EEXIST)
-        return fprintf(stderr, "perihom view: '%s': %s\n", o.folder, strerror(errno)), 5;
-    bool fields = !o.field || strcmp(o.field, "phases") != 0;
-    ph_status st = ph_read_fields(path, fields ? ~0u : 0, &file, &err);
-    if (st != PH_OK) {
-        fprintf(stderr, "perihom view: %s\n", err.msg);
-        return ph_status_exit_code(st);
+    int code = options_parse(&view_verb, argc, argv, &o);
+    if (code >= 0) goto out;
+    if (o.axis == 0) o.axis = 3;
+    if (o.axis > 3) {
+        code = options_usage_error(&view_verb, "--axis is 1, 2 or 3, got %d", o.axis);
+        goto out;
     }
-    view v = {.options = &o, .file = file, .folder = o.folder ? o.folder : folder};
-    v.derived = malloc((size_t)ph_grid_cells(&file->micro->grid) * sizeof(double));
-    if (!v.derived)
-        code = (fputs("perihom view: no memory\n", stderr), 5);
+    if ((code = find_file(o.operands.item[0], path, sizeof path))) goto out;
+    folder_of(path, folder, sizeof folder);
+    code = 5;
+    if (o.folder && mkdir(o.folder, 0777) != 0 && errno != EEXIST)
+        talk("'%s': %s", o.folder, strerror(errno));
     else
-        code = draw_all(&v, &err);
-    free(v.derived);
-    ph_fields_file_free(&file);
+        code = draw_file(&o, path, o.folder ? o.folder : folder);
+out:
+    free(o.operands.item);
     return code;
 }

@@ -21,7 +21,7 @@ void options_help(const verb_spec *verb, FILE *to)
     fprintf(to, "perihom %s: %s\n\nusage: perihom %s%s%s [options]\n\nexamples:\n",
             verb->name, verb->title, verb->name, *verb->operands ? " " : "",
             verb->operands);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3 && verb->example[i].command; i++)
         fprintf(to, "  %s\n      %s\n", verb->example[i].command, verb->example[i].says);
     fprintf(to, "\noptions:\n");
     for (size_t i = 0; i < verb->noptions; i++) {

@@ -137,8 +137,9 @@ static void put_solver(FILE *to, const ph_result *r)
         worst = fmax(worst, r->residual[i]);
     }
     fprintf(to, "; residual %.1e%s\n", worst, r->converged ? "" : ", NOT CONVERGED");
-    fprintf(to, "quality     Hill-Mandel %.1e, stabilisation energy %.1e\n",
-            r->hill_mandel, r->stabilisation_energy);
+    fprintf(to,
+            "quality     Hill-Mandel %.1e, asymmetry %.1e, stabilisation energy %.1e\n",
+            r->hill_mandel, r->asymmetry, r->stabilisation_energy);
     fprintf(to, "cost        %s (solve %s), %s, %d thread%s\n",
             report_seconds(r->seconds, total), report_seconds(r->seconds_solve, solve),
             report_bytes(r->peak_bytes, bytes), r->threads, r->threads == 1 ? "" : "s");

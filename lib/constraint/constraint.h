@@ -22,7 +22,7 @@ typedef struct ph_constraint_method {
     ph_entry info;
     bool analytic;  /* voigt, reuss: no equations are solved */
     bool by_stress; /* the load is a macro stress, the answer a compliance */
-    bool exact_cells_only; /* needs an operator whose points see only their own cell */
+    bool bounded;   /* nodes are held, or end at the faces of the RVE: steers `auto` */
     ph_status (*prepare)(const ph_problem *problem, const ph_family *family,
                          ph_setting *setting, ph_error *err);
 } ph_constraint_method;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "constraint/constraint.h"
-
 #include "model/stiffness_map.h"
 
 #include <string.h>
@@ -22,7 +21,8 @@ static ptrdiff_t good_length(ptrdiff_t n)
         ptrdiff_t m = n;
         static const int prime[] = {2, 3, 5, 7};
         for (int i = 0; i < 4; i++)
-            while (m % prime[i] == 0) m /= prime[i];
+            while (m % prime[i] == 0)
+                m /= prime[i];
         if (m == 1) return n;
     }
 }
@@ -65,7 +65,7 @@ static ph_status embed(const ph_problem *p, const int layers[3], const int margi
                     from = from * n + wrap(r, n);
                 }
                 bool matrix = !inside && p->constraint.collar == PH_COLLAR_MATRIX;
-                s->source[x] = inside                ? from
+                s->source[x] = inside                 ? from
                                : !averaged || !collar ? PH_SOURCE_VOID
                                : matrix ? -2 - (ptrdiff_t)p->constraint.collar_material
                                         : from;
@@ -141,7 +141,8 @@ out:
     return st;
 }
 
-/* The RVE alone in empty space, pulled by sigma.n on its faces. */
+/* The RVE alone in empty space, pulled by sigma.n on its faces. One layer of empty cells
+ * keeps the faces apart; families that reach further are cut at them. */
 static ph_status uniform_traction(const ph_problem *p, const ph_family *family,
                                   ph_setting *s, ph_error *err)
 {
@@ -153,17 +154,32 @@ static ph_status uniform_traction(const ph_problem *p, const ph_family *family,
 const ph_constraint_method ph_constraints[] = {
     {{"periodic", "periodic boundary-volume constraint: u = eps x + a periodic field",
       "Galadima2023", "always"},
-     false, false, false, periodic},
+     false,
+     false,
+     false,
+     periodic},
     {{"linear_displacement", "u = eps x on a boundary volume of two horizons",
       "Galadima2023", "an upper estimate of an RVE cut from a material"},
-     false, false, false, linear_displacement},
+     false,
+     false,
+     true,
+     linear_displacement},
     {{"uniform_traction", "sigma n on the faces, the body free otherwise", "Hazanov1995",
-      "a lower estimate of an RVE cut from a material; stress points or local"},
-     false, true, true, uniform_traction},
+      "a lower estimate of an RVE cut from a material"},
+     false,
+     true,
+     true,
+     uniform_traction},
     {{"voigt", "uniform strain: the upper bound", "Voigt1889", "always"},
-     true, false, false, periodic},
+     true,
+     false,
+     false,
+     periodic},
     {{"reuss", "uniform stress: the lower bound", "Reuss1929", "no void phase"},
-     true, false, false, periodic},
+     true,
+     false,
+     false,
+     periodic},
 };
 const size_t ph_nconstraints = sizeof ph_constraints / sizeof *ph_constraints;
 

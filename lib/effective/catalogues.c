@@ -11,8 +11,8 @@ static const ph_catalogue catalogues[] = {
      sizeof *ph_constraints},
     {"solvers", "how the equations are solved", ph_solvers, &ph_nsolvers,
      sizeof *ph_solvers},
-    {"influences", "influence functions of the bond length", ph_influences, &ph_ninfluences,
-     sizeof *ph_influences},
+    {"influences", "influence functions of the bond length", ph_influences,
+     &ph_ninfluences, sizeof *ph_influences},
     {"volume_weights", "share of a cell in the family ball", ph_volume_weights,
      &ph_nvolume_weights, sizeof *ph_volume_weights},
     {"estimates", "analytic bounds and estimates", ph_estimate_methods,
@@ -20,4 +20,7 @@ static const ph_catalogue catalogues[] = {
     {NULL, NULL, NULL, NULL, 0},
 };
 
-const ph_catalogue *ph_catalogues(void) { return catalogues; }
+const ph_catalogue *ph_catalogues(void)
+{
+    return catalogues;
+}

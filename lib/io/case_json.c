@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The resolved case as JSON. JSON is YAML: ph_case_parse reads it back. */
 #include "io/case_internal.h"
+#include "io/json.h"
 
 #include <jansson.h>
 
@@ -203,18 +204,28 @@ static json_t *case_to_json(const ph_case *c, bool *good)
     return map;
 }
 
-ph_status ph_case_to_json(const ph_case *c, char **json, ph_error *err)
+ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err)
 {
     ph_status st = PH_OK;
     bool good = true;
-    *json = NULL;
     json_t *map = case_to_json(c, &good);
     PH_CHECK(good && map, PH_EINVAL,
              "this case cannot be written: a number is not finite, a "
              "text not UTF-8, or there is no memory");
-    *json =
-        json_dumps(map, JSON_INDENT(2) | JSON_REAL_PRECISION(17) | JSON_PRESERVE_ORDER);
-    PH_CHECK(*json != NULL, PH_ENOMEM, "no memory for a case as JSON");
+    *out = map;
+    map = NULL;
+out:
+    json_decref(map);
+    return st;
+}
+
+ph_status ph_case_to_json(const ph_case *c, char **json, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *map = NULL;
+    *json = NULL;
+    PH_TRY(ph_i_case_json(c, &map, err));
+    PH_TRY(ph_i_json_dump(map, json, err));
 out:
     json_decref(map);
     return st;

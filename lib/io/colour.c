@@ -37,7 +37,8 @@ static bool light_of_oklch(double L, double C, double hue, double rgb[3])
     const double degree = 3.14159265358979323846 / 180;
     bool shown = true;
     light_of_oklab(L, C * cos(hue * degree), C * sin(hue * degree), rgb);
-    for (int k = 0; k < 3; k++) shown = shown && rgb[k] > -1e-3 && rgb[k] < 1 + 1e-3;
+    for (int k = 0; k < 3; k++)
+        shown = shown && rgb[k] > -1e-3 && rgb[k] < 1 + 1e-3;
     return shown;
 }
 
@@ -54,7 +55,8 @@ ph_i_colour ph_i_oklch(double L, double C, double hue)
         }
         (void)light_of_oklch(L, least, hue, rgb);
     }
-    return (ph_i_colour){code_of_light(rgb[0]), code_of_light(rgb[1]), code_of_light(rgb[2])};
+    return (ph_i_colour){code_of_light(rgb[0]), code_of_light(rgb[1]),
+                         code_of_light(rgb[2])};
 }
 
 ph_i_colour ph_i_sequential(double t)
@@ -75,7 +77,7 @@ ph_i_colour ph_i_diverging(double t)
 ph_i_colour ph_i_material_colour(int i, bool is_void)
 {
     static const double chosen[][3] = {
-        {0.88, 0.025, 85}, {0.50, 0.105, 250}, {0.70, 0.150, 55}, {0.62, 0.120, 165},
+        {0.88, 0.025, 85}, {0.50, 0.105, 250}, {0.70, 0.150, 55},  {0.62, 0.120, 165},
         {0.58, 0.160, 20}, {0.52, 0.130, 310}, {0.80, 0.140, 100}, {0.72, 0.090, 215},
     };
     const int count = (int)(sizeof chosen / sizeof *chosen);

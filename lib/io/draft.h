@@ -10,9 +10,9 @@ enum { PH_I_PATH = 4096 };
 
 typedef struct ph_i_draft {
     char target[PH_I_PATH]; /* what it will be called, symbolic links followed */
-    char path[PH_I_PATH];   /* where to write now: beside the target, in the same folder */
-    bool in_place;          /* the target is a device or a pipe: nothing to rename */
-    bool open;              /* between begin and commit or discard */
+    char path[PH_I_PATH]; /* where to write now: beside the target, in the same folder */
+    bool in_place;        /* the target is a device or a pipe: nothing to rename */
+    bool open;            /* between begin and commit or discard */
 } ph_i_draft;
 
 /** Create the empty draft of `path`.
@@ -24,7 +24,7 @@ ph_status ph_i_draft_commit(ph_i_draft *draft, ph_error *err);
 /** Remove the draft if it was not committed. Does nothing on a zeroed draft. */
 void ph_i_draft_discard(ph_i_draft *draft);
 
-/** PH_EIO with "cannot <verb> '<path>': <what errno says>". */
+/** PH_EIO (PH_ENOMEM where errno says so) with "cannot <verb> '<path>': <what errno says>". */
 ph_status ph_i_io_error(ph_error *err, const char *verb, const char *path, int number);
 
 #endif

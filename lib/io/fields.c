@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The fields file: microstructure and the fields of every load, HDF5 beside XDMF.
  * Ours is z fastest, XDMF is x fastest, so every array is transposed on its way out. */
+#include "io/fields.h"
+
 #include <perihom/output.h>
 #include <perihom/version.h>
 
 #include "io/draft.h"
-#include "io/fields.h"
 #include "io/hdf5.h"
 #include "io/hdf5_sink.h"
 
@@ -26,7 +27,8 @@ static ph_status put_array(writer *w, hid_t group, const char *name, hid_t type,
                            const hsize_t *shape, ph_i_storage how, const void *data,
                            ph_error *err)
 {
-    ph_status st = ph_i_hdf5_put_array(group, name, type, rank, shape, how, data, w->path, err);
+    ph_status st =
+        ph_i_hdf5_put_array(group, name, type, rank, shape, how, data, w->path, err);
     if (w->sink.failed) return ph_i_io_error(err, "write", w->path, w->sink.failed);
     return st;
 }
@@ -69,10 +71,12 @@ static void macro_strain(const ph_grid *g, const ph_fields *f, double eps[6])
 {
     bool given = false;
     ptrdiff_t cells = ph_grid_cells(g);
-    for (int a = 0; a < f->ns; a++) given = given || f->macro_strain[a] != 0;
+    for (int a = 0; a < f->ns; a++)
+        given = given || f->macro_strain[a] != 0;
     for (int a = 0; a < f->ns; a++) {
         double sum = 0;
-        for (ptrdiff_t x = 0; x < cells && f->strain; x++) sum += f->strain[a * cells + x];
+        for (ptrdiff_t x = 0; x < cells && f->strain; x++)
+            sum += f->strain[a * cells + x];
         eps[a] = given ? f->macro_strain[a] : sum / (double)cells;
     }
 }
@@ -104,8 +108,8 @@ static ph_status write_displacement(writer *w, hid_t group, const ph_fields *f,
                                f->displacement + c * ph_grid_cells(w->grid), c, slope,
                                w->buffer);
     }
-    return put_array(w, group, "displacement", H5T_NATIVE_DOUBLE, 4, shape,
-                     PH_I_CHUNKED, w->buffer, err);
+    return put_array(w, group, "displacement", H5T_NATIVE_DOUBLE, 4, shape, PH_I_CHUNKED,
+                     w->buffer, err);
 }
 
 /* strain/11 ... or stress/11 ...: one array a component. */
@@ -117,7 +121,8 @@ static ph_status write_components(writer *w, hid_t load, const char *name, int n
     hsize_t shape[3];
     ph_i_array_shape(w->grid, 0, shape);
     hid_t group = -1;
-    PH_HDF5(group = H5Gcreate2(load, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "write");
+    PH_HDF5(group = H5Gcreate2(load, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+            "write");
     for (int a = 0; a < ns; a++) {
         transpose_cells(w->grid, value + a * ph_grid_cells(w->grid), w->buffer);
         PH_TRY(put_array(w, group, ph_i_voigt_name(ns, a), H5T_NATIVE_DOUBLE, 3, shape,
@@ -226,11 +231,12 @@ static ph_status write_cuts(writer *w, const ph_microstructure *micro, ph_error 
     PH_ALLOC(row, n, "the cut cells");
     for (hsize_t q = 0; q < n; q++) {
         const ph_cut *cut = &micro->cuts[q];
-        row[q] = (ph_i_cut_row){.index = {cut->cell / (g->n[1] * g->n[2]),
-                                          cut->cell / g->n[2] % g->n[1], cut->cell % g->n[2]},
-                                .base = cut->base,
-                                .material = cut->material,
-                                .fraction = cut->fraction};
+        row[q] =
+            (ph_i_cut_row){.index = {cut->cell / (g->n[1] * g->n[2]),
+                                     cut->cell / g->n[2] % g->n[1], cut->cell % g->n[2]},
+                           .base = cut->base,
+                           .material = cut->material,
+                           .fraction = cut->fraction};
         memcpy(row[q].normal, cut->normal, sizeof row[q].normal);
     }
     PH_TRY(ph_i_cut_type(&type, path, err));
@@ -276,8 +282,8 @@ static size_t buffer_length(const ph_grid *g, const ph_result *result)
     return result && result->nfields > 0 ? 3 * nodes : cells;
 }
 
-static ph_status write_all(writer *w, const ph_microstructure *micro, const ph_result *result,
-                           const ph_case *c, ph_error *err)
+static ph_status write_all(writer *w, const ph_microstructure *micro,
+                           const ph_result *result, const ph_case *c, ph_error *err)
 {
     ph_status st = PH_OK;
     PH_TRY(write_head(w, c, err));
@@ -305,13 +311,19 @@ static ph_status write_hdf5(ph_i_draft *draft, const char *path,
     PH_TRY(ph_i_draft_begin(draft, path, err));
     PH_CHECK(!draft->in_place, PH_EIO, "cannot write '%.300s': not a regular file", path);
     PH_HDF5(access = ph_i_hdf5_sink_access(&w.sink), "write");
-    PH_HDF5(w.file = H5Fcreate(draft->path, H5F_ACC_TRUNC, H5P_DEFAULT, access), "write");
+    w.file = H5Fcreate(draft->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    if (w.file < 0 && w.sink.failed) { /* clearer than what HDF5 makes of it */
+        st = ph_i_io_error(err, "write", path, w.sink.failed);
+        goto out;
+    }
+    PH_HDF5(w.file, "write");
     PH_TRY(write_all(&w, micro, result, c, err));
 out:
     if (w.file >= 0 && H5Fclose(w.file) < 0 && st == PH_OK)
         st = ph_i_hdf5_error(err, "write", path);
     if (access >= 0) H5Pclose(access);
-    if (st == PH_OK && w.sink.failed) st = ph_i_io_error(err, "write", path, w.sink.failed);
+    if (st == PH_OK && w.sink.failed)
+        st = ph_i_io_error(err, "write", path, w.sink.failed);
     ph_i_hdf5_end(&quiet);
     free(buffer);
     return st;
@@ -321,7 +333,8 @@ static ph_status check_input(const char *base, const ph_microstructure *micro,
                              const ph_result *result, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_CHECK(base && base[0] && micro, PH_EINVAL, "no name or no microstructure to write");
+    PH_CHECK(base && base[0] && micro, PH_EINVAL,
+             "no name or no microstructure to write");
     PH_CHECK(strlen(base) < PH_I_PATH - 8, PH_EIO, "cannot write '%.100s...': %s", base,
              "the path is too long");
     for (int a = 0; result && result->nfields > 0 && a < 3; a++)
@@ -332,8 +345,8 @@ static ph_status check_input(const char *base, const ph_microstructure *micro,
         const ph_fields *f = &result->fields[i];
         PH_CHECK((f->ns == 3 || f->ns == 6) && f->nu >= 1 && f->nu <= 3 && f->load >= 0 &&
                      f->load < f->ns,
-                 PH_EINVAL, "fields of load %d with %d strains, %d displacements", f->load,
-                 f->ns, f->nu);
+                 PH_EINVAL, "fields of load %d with %d strains, %d displacements",
+                 f->load, f->ns, f->nu);
     }
 out:
     return st;
@@ -350,7 +363,8 @@ ph_status ph_write_fields(const char *base, const ph_microstructure *micro,
     snprintf(path, sizeof path, "%s.h5", base);
     PH_TRY(write_hdf5(&draft, path, micro, result, c, err));
     const char *slash = strrchr(path, '/');
-    PH_TRY(ph_i_xdmf_text(slash ? slash + 1 : path, micro, result, c, &text, &length, err));
+    PH_TRY(
+        ph_i_xdmf_text(slash ? slash + 1 : path, micro, result, c, &text, &length, err));
     snprintf(path, sizeof path, "%s.xdmf", base);
     PH_TRY(ph_i_draft_commit(&draft, err));
     PH_TRY(ph_write_file(path, text, length, err));

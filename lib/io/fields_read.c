@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/fields.h"
-
 #include "io/hdf5.h"
 
 #include <string.h>
@@ -38,16 +37,20 @@ static ph_status read_grid(reader *r, ph_error *err)
     PH_CHECK(strcmp(schema, PH_I_FIELDS_SCHEMA) == 0, PH_EIO,
              "'%.300s' has the schema '%s', this version reads '%s'", r->path, schema,
              PH_I_FIELDS_SCHEMA);
-    PH_TRY(ph_i_hdf5_get_text(r->file, "kinematics", kinematics, sizeof kinematics, r->path,
-                              err));
-    while (kin < 4 && strcmp(kinematics, ph_i_kinematics_names[kin]) != 0) kin++;
-    PH_CHECK(kin < 4, PH_EIO, "'%.300s': kinematics '%s' is not known", r->path, kinematics);
-    PH_TRY(ph_i_hdf5_get_attribute(r->file, "nodes", H5T_NATIVE_INT64, 3, n, r->path, err));
-    PH_TRY(ph_i_hdf5_get_attribute(r->file, "size", H5T_NATIVE_DOUBLE, 3, size, r->path, err));
+    PH_TRY(ph_i_hdf5_get_text(r->file, "kinematics", kinematics, sizeof kinematics,
+                              r->path, err));
+    while (kin < 4 && strcmp(kinematics, ph_i_kinematics_names[kin]) != 0)
+        kin++;
+    PH_CHECK(kin < 4, PH_EIO, "'%.300s': kinematics '%s' is not known", r->path,
+             kinematics);
+    PH_TRY(
+        ph_i_hdf5_get_attribute(r->file, "nodes", H5T_NATIVE_INT64, 3, n, r->path, err));
+    PH_TRY(ph_i_hdf5_get_attribute(r->file, "size", H5T_NATIVE_DOUBLE, 3, size, r->path,
+                                   err));
     const ptrdiff_t cells[3] = {n[0], n[1], n[2]};
     for (int a = 0; a < 3; a++) /* a damaged file must not overflow the product */
-        PH_CHECK(n[a] >= 1 && n[a] <= 1 << 20, PH_EIO, "'%.300s': %lld nodes along axis %d",
-                 r->path, (long long)n[a], a + 1);
+        PH_CHECK(n[a] >= 1 && n[a] <= 1 << 20, PH_EIO,
+                 "'%.300s': %lld nodes along axis %d", r->path, (long long)n[a], a + 1);
     PH_TRY(ph_grid_init(&r->grid, (ph_kinematics)kin, cells, size, err));
 out:
     return st;
@@ -102,7 +105,8 @@ static ph_status read_materials(reader *r, ph_microstructure **micro, ph_error *
     PH_CHECK(n >= 1 && n <= UINT16_MAX, PH_EIO, "'%.300s' has %llu materials", r->path,
              (unsigned long long)n);
     PH_ALLOC(list, n, "the materials");
-    for (hsize_t i = 0; i < n; i++) list[i] = material_of_row((ph_i_material_row *)rows + i);
+    for (hsize_t i = 0; i < n; i++)
+        list[i] = material_of_row((ph_i_material_row *)rows + i);
     PH_TRY(ph_microstructure_new(&r->grid, (int)n, list, micro, err));
 out:
     free(list);
@@ -128,11 +132,11 @@ static ph_status read_cuts(reader *r, ph_microstructure *micro, ph_error *err)
             PH_CHECK(row->index[a] >= 0 && row->index[a] < g->n[a], PH_EINVAL,
                      "'%.300s': cut %llu lies outside the grid", r->path,
                      (unsigned long long)q);
-        cuts[q] = (ph_cut){
-            .cell = (row->index[0] * g->n[1] + row->index[1]) * g->n[2] + row->index[2],
-            .base = row->base,
-            .material = row->material,
-            .fraction = row->fraction};
+        cuts[q] = (ph_cut){.cell = (row->index[0] * g->n[1] + row->index[1]) * g->n[2] +
+                                   row->index[2],
+                           .base = row->base,
+                           .material = row->material,
+                           .fraction = row->fraction};
         memcpy(cuts[q].normal, row->normal, sizeof cuts[q].normal);
     }
     free(micro->cuts);
@@ -165,8 +169,8 @@ out:
 
 /* `nc` components of each entry of [z][y][x][stride], with `extra` more per axis in the
  * file, to component-first [x][y][z]. */
-static void untranspose(const ph_grid *g, int extra, int stride, int nc, const double *from,
-                        double *to)
+static void untranspose(const ph_grid *g, int extra, int stride, int nc,
+                        const double *from, double *to)
 {
     const ptrdiff_t m0 = g->n[0] + extra, m1 = g->n[1] + extra;
     for (int c = 0; c < nc; c++)
@@ -262,9 +266,11 @@ static ph_status read_all(reader *r, unsigned loads, ph_fields_file *out, ph_err
     ph_status st = PH_OK;
     size_t nodes = 3;
     PH_TRY(read_grid(r, err));
-    for (int a = 0; a < 3; a++) nodes *= (size_t)r->grid.n[a] + 1;
+    for (int a = 0; a < 3; a++)
+        nodes *= (size_t)r->grid.n[a] + 1;
     PH_ALLOC(r->buffer, nodes, "the fields on their way in");
-    PH_TRY(ph_i_hdf5_get_text(r->file, "title", out->title, sizeof out->title, r->path, err));
+    PH_TRY(ph_i_hdf5_get_text(r->file, "title", out->title, sizeof out->title, r->path,
+                              err));
     PH_TRY(ph_i_hdf5_get_text(r->file, "unit_length", out->unit_length,
                               sizeof out->unit_length, r->path, err));
     PH_TRY(ph_i_hdf5_get_text(r->file, "unit_stress", out->unit_stress,

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/fields.h"
-
 #include "io/hdf5.h"
 
 #include <string.h>
@@ -57,7 +56,7 @@ ph_status ph_i_material_type(hid_t *out, const char *path, ph_error *err)
     const hsize_t shape[2] = {6, 6};
     hid_t name = -1, matrix = -1;
     PH_HDF5(name = H5Tcopy(H5T_C_S1), "describe");
-    PH_HDF5(H5Tset_size(name, sizeof ((ph_i_material_row *)0)->name), "describe");
+    PH_HDF5(H5Tset_size(name, sizeof((ph_i_material_row *)0)->name), "describe");
     PH_HDF5(matrix = H5Tarray_create2(H5T_NATIVE_DOUBLE, 2, shape), "describe");
     const member list[] = {
         {"name", offsetof(ph_i_material_row, name), name},
@@ -69,8 +68,8 @@ ph_status ph_i_material_type(hid_t *out, const char *path, ph_error *err)
         {"fraction", offsetof(ph_i_material_row, fraction), H5T_NATIVE_DOUBLE},
         {"stiffness", offsetof(ph_i_material_row, voigt), matrix},
     };
-    PH_TRY(compound(sizeof(ph_i_material_row), sizeof list / sizeof *list, list, out, path,
-                    err));
+    PH_TRY(compound(sizeof(ph_i_material_row), sizeof list / sizeof *list, list, out,
+                    path, err));
 out:
     if (matrix >= 0) H5Tclose(matrix);
     if (name >= 0) H5Tclose(name);
@@ -91,7 +90,8 @@ ph_status ph_i_cut_type(hid_t *out, const char *path, ph_error *err)
         {"fraction", offsetof(ph_i_cut_row, fraction), H5T_NATIVE_DOUBLE},
         {"normal", offsetof(ph_i_cut_row, normal), normal},
     };
-    PH_TRY(compound(sizeof(ph_i_cut_row), sizeof list / sizeof *list, list, out, path, err));
+    PH_TRY(
+        compound(sizeof(ph_i_cut_row), sizeof list / sizeof *list, list, out, path, err));
 out:
     if (normal >= 0) H5Tclose(normal);
     if (index >= 0) H5Tclose(index);

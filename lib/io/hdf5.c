@@ -23,7 +23,9 @@ typedef struct innermost {
 static herr_t keep_innermost(unsigned n, const H5E_error2_t *entry, void *user)
 {
     innermost *found = user;
-    if (n == 0) found->no_memory = entry->min_num == H5E_NOSPACE || entry->min_num == H5E_CANTALLOC;
+    if (n == 0)
+        found->no_memory =
+            entry->min_num == H5E_NOSPACE || entry->min_num == H5E_CANTALLOC;
     if (!found->text[0] && entry->desc)
         snprintf(found->text, sizeof found->text, "%s", entry->desc);
     return 0;
@@ -49,8 +51,8 @@ ph_status ph_i_hdf5_error(ph_error *err, const char *verb, const char *path)
     H5Eclear2(H5E_DEFAULT);
     if (!found.text[0]) snprintf(found.text, sizeof found.text, "HDF5 does not say why");
     shorten(found.text);
-    return PH_FAIL(err, found.no_memory ? PH_ENOMEM : PH_EIO, "cannot %s '%.300s': %s", verb,
-                   path, found.text);
+    return PH_FAIL(err, found.no_memory ? PH_ENOMEM : PH_EIO, "cannot %s '%.300s': %s",
+                   verb, path, found.text);
 }
 
 /* ---- writing ---- */
@@ -97,8 +99,8 @@ out:
     return st;
 }
 
-ph_status ph_i_hdf5_put_doubles(hid_t object, const char *name, int count, const double *x,
-                                const char *path, ph_error *err)
+ph_status ph_i_hdf5_put_doubles(hid_t object, const char *name, int count,
+                                const double *x, const char *path, ph_error *err)
 {
     return put_row(object, name, H5T_NATIVE_DOUBLE, count, x, path, err);
 }
@@ -181,7 +183,8 @@ ph_status ph_i_hdf5_get_attribute(hid_t object, const char *name, hid_t type, in
     PH_HDF5(attribute = H5Aopen(object, name, H5P_DEFAULT), "read");
     PH_HDF5(space = H5Aget_space(attribute), "read");
     PH_CHECK(H5Sget_simple_extent_npoints(space) == count, PH_EIO,
-             "cannot read '%.300s': attribute '%s' has not %d numbers", path, name, count);
+             "cannot read '%.300s': attribute '%s' has not %d numbers", path, name,
+             count);
     PH_HDF5(H5Aread(attribute, type, x), "read");
 out:
     if (space >= 0) H5Sclose(space);
@@ -200,9 +203,10 @@ ph_status ph_i_hdf5_get_array(hid_t object, const char *name, hid_t type, int ra
     PH_HDF5(space = H5Dget_space(set), "read");
     bool same = H5Sget_simple_extent_ndims(space) == rank;
     if (same) H5Sget_simple_extent_dims(space, found, NULL);
-    for (int a = 0; same && a < rank; a++) same = found[a] == dims[a];
-    PH_CHECK(same, PH_EIO, "cannot read '%.300s': '%s' has not the shape of the grid", path,
-             name);
+    for (int a = 0; same && a < rank; a++)
+        same = found[a] == dims[a];
+    PH_CHECK(same, PH_EIO, "cannot read '%.300s': '%s' has not the shape of the grid",
+             path, name);
     PH_HDF5(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), "read");
 out:
     if (space >= 0) H5Sclose(space);

@@ -32,8 +32,8 @@ ph_status ph_i_hdf5_error(ph_error *err, const char *verb, const char *path);
 /** Attributes of `object`; `path` is for messages. */
 ph_status ph_i_hdf5_put_text(hid_t object, const char *name, const char *text,
                              const char *path, ph_error *err);
-ph_status ph_i_hdf5_put_doubles(hid_t object, const char *name, int count, const double *x,
-                                const char *path, ph_error *err);
+ph_status ph_i_hdf5_put_doubles(hid_t object, const char *name, int count,
+                                const double *x, const char *path, ph_error *err);
 ph_status ph_i_hdf5_put_ints(hid_t object, const char *name, int count, const int *x,
                              const char *path, ph_error *err);
 /** In one piece; in chunks of about 1 MiB; in such chunks, compressed. */

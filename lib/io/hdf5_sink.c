@@ -28,8 +28,12 @@ static H5FD_t *sink_open(const char *name, unsigned flags, hid_t access, haddr_t
 {
     (void)maxaddr;
     const sink_info *info = H5Pget_driver_info(access);
-    sink_file *file = info ? calloc(1, sizeof *file) : NULL;
-    if (!file) return NULL;
+    if (!info) return NULL;
+    sink_file *file = calloc(1, sizeof *file);
+    if (!file) {
+        info->sink->failed = ENOMEM;
+        return NULL;
+    }
     int mode = O_RDWR | O_CLOEXEC | (flags & H5F_ACC_TRUNC ? O_TRUNC : 0) |
                (flags & H5F_ACC_CREAT ? O_CREAT : 0);
     file->sink = info->sink;

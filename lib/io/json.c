@@ -25,8 +25,10 @@ json_t *ph_i_json_text(const char *text)
     if (!text) return json_null();
     json_t *value = json_string(text);
     if (value) return value;
-    /* Not UTF-8, or no memory: the second try tells. */
-    size_t length = strlen(text);
+    size_t length = strlen(text), odd = 0;
+    for (size_t i = 0; i < length; i++)
+        odd += (unsigned char)text[i] >= 0x80;
+    if (odd == 0) return NULL; /* ASCII is always admissible: no memory */
     char *plain = malloc(length + 1);
     if (!plain) return NULL;
     for (size_t i = 0; i <= length; i++)
@@ -36,7 +38,10 @@ json_t *ph_i_json_text(const char *text)
     return value;
 }
 
-json_t *ph_i_json_number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
+json_t *ph_i_json_number(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
+}
 
 ph_status ph_i_json_matrix(int n, const double *a, json_t **out, ph_error *err)
 {
@@ -73,10 +78,41 @@ out:
     return st;
 }
 
+/* A growing text. Once memory has run out it stays so: jansson (2.14) overlooks a failure
+ * while it writes a key and would go on. */
+typedef struct growing {
+    char *text;
+    size_t length, capacity;
+    bool failed;
+} growing;
+
+static int append(const char *piece, size_t size, void *user)
+{
+    growing *g = user;
+    if (g->failed) return -1;
+    if (g->length + size + 1 > g->capacity) {
+        size_t capacity = 2 * (g->length + size + 1);
+        char *bigger = realloc(g->text, capacity);
+        g->failed = !bigger;
+        if (!bigger) return -1;
+        g->text = bigger;
+        g->capacity = capacity;
+    }
+    memcpy(g->text + g->length, piece, size);
+    g->length += size;
+    g->text[g->length] = 0;
+    return 0;
+}
+
 ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err)
 {
-    char *dumped = json_dumps(document, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
-    if (!dumped) return NO_MEMORY(err, "the document");
-    *text = dumped;
+    growing g = {.text = NULL};
+    int failed = json_dump_callback(document, append, &g,
+                                    JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+    if (failed || g.failed || !g.text) {
+        free(g.text);
+        return NO_MEMORY(err, "the document");
+    }
+    *text = g.text;
     return PH_OK;
 }

@@ -4,6 +4,8 @@
 #ifndef PH_IO_JSON_H
 #define PH_IO_JSON_H
 
+#include <perihom/case.h>
+
 #include "core/check.h"
 
 #include <jansson.h>
@@ -24,6 +26,8 @@ ph_status ph_i_json_put_number(json_t *obj, const char *path, const char *key, d
 /** The document as text with 17 digits, malloc'd. */
 ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err);
 
+/** The resolved case (case_json.c). PH_EINVAL where it holds what JSON cannot. */
+ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err);
 /** Where a result was made: version, git, compiler, libraries, processor, date, command
  *  (may be NULL). */
 ph_status ph_i_json_provenance(const char *command, json_t **out, ph_error *err);

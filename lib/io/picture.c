@@ -77,16 +77,21 @@ static void put_letter(ph_i_picture *p, int x, int y, int scale, char letter,
             for (int s = 0; s < SAMPLES * SAMPLES; s++)
                 hits += smooth_ink(rows, (a + (s % SAMPLES + 0.5) / SAMPLES) / scale,
                                    (b + (s / SAMPLES + 0.5) / SAMPLES) / scale);
-            if (hits == 0 || px < 0 || py < 0 || px >= p->width || py >= p->height) continue;
+            if (hits == 0 || px < 0 || py < 0 || px >= p->width || py >= p->height)
+                continue;
             ph_i_colour *to = &p->pixel[(size_t)py * (size_t)p->width + (size_t)px];
             *to = ph_i_mix_colours(*to, colour, hits / (double)(SAMPLES * SAMPLES));
         }
 }
 
 /* Bytes 2, 3, 4 of a UTF-8 character. */
-static bool is_continuation(char ch) { return ((unsigned char)ch & 0xc0) == 0x80; }
+static bool is_continuation(char ch)
+{
+    return ((unsigned char)ch & 0xc0) == 0x80;
+}
 
-void ph_i_text(ph_i_picture *p, int x, int y, int scale, const char *text, ph_i_colour colour)
+void ph_i_text(ph_i_picture *p, int x, int y, int scale, const char *text,
+               ph_i_colour colour)
 {
     for (; *text; text++) {
         if (is_continuation(*text)) continue;
@@ -98,7 +103,8 @@ void ph_i_text(ph_i_picture *p, int x, int y, int scale, const char *text, ph_i_
 int ph_i_text_width(const char *text, int scale)
 {
     int letters = 0;
-    for (; *text; text++) letters += !is_continuation(*text);
+    for (; *text; text++)
+        letters += !is_continuation(*text);
     return letters > 0 ? (letters * PH_I_LETTER_WIDTH - 1) * scale : 0;
 }
 
@@ -123,8 +129,9 @@ ph_status ph_i_picture_write(const ph_i_picture *p, const char *path, ph_error *
     if (!png_image_write_to_stdio(&image, file, 0, p->pixel, 0, NULL)) {
         st = errno == ENOMEM || strstr(image.message, "memory")
                  ? PH_FAIL(err, PH_ENOMEM, "no memory to write '%.300s'", path)
-             : errno ? ph_i_io_error(err, "write", path, errno)
-                     : PH_FAIL(err, PH_EIO, "cannot write '%.300s': %s", path, image.message);
+             : errno
+                 ? ph_i_io_error(err, "write", path, errno)
+                 : PH_FAIL(err, PH_EIO, "cannot write '%.300s': %s", path, image.message);
         goto out;
     }
     bool failed = fclose(file) != 0;

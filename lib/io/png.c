@@ -9,7 +9,8 @@
 #include <string.h>
 
 enum { MARGIN = 28, TEXT = 2, LINE = 26, LONG_SIDE = 800, MAX_LEGEND = 20 };
-static const ph_i_colour black = {34, 34, 34}, soft = {110, 110, 110}, grey = {190, 190, 190};
+static const ph_i_colour black = {34, 34, 34}, soft = {110, 110, 110},
+                         grey = {190, 190, 190};
 
 /* Which cells are seen: axes to the right and up, the layer of the third. */
 typedef struct slice {
@@ -33,8 +34,8 @@ static ph_status slice_init(slice *s, const ph_grid *grid, int axis, ph_error *e
 {
     ph_status st = PH_OK;
     bool space = grid->kinematics == PH_SPACE;
-    PH_CHECK(!space || (axis >= 1 && axis <= 3), PH_EINVAL, "axis must be 1, 2 or 3, got %d",
-             axis);
+    PH_CHECK(!space || (axis >= 1 && axis <= 3), PH_EINVAL,
+             "axis must be 1, 2 or 3, got %d", axis);
     s->grid = grid;
     s->through = space ? axis - 1 : 2;
     s->right = s->through == 0 ? 1 : 0;
@@ -80,18 +81,18 @@ static void draw_axes(page *p, const slice *s)
 {
     char text[96];
     int y = p->top + s->height + 14;
-    int used = snprintf(text, sizeof text, "axis %d right, axis %d up", s->right + 1,
-                        s->up + 1);
+    int used =
+        snprintf(text, sizeof text, "axis %d right, axis %d up", s->right + 1, s->up + 1);
     if (s->grid->kinematics == PH_SPACE)
-        snprintf(text + used, sizeof text - (size_t)used, ", cut at x%d = %.4g", s->through + 1,
-                 ((double)s->layer + 0.5) * s->grid->h[s->through]);
+        snprintf(text + used, sizeof text - (size_t)used, ", cut at x%d = %.4g",
+                 s->through + 1, ((double)s->layer + 0.5) * s->grid->h[s->through]);
     ph_i_text(&p->picture, p->left, y, TEXT, text, soft);
     p->axes_width = ph_i_text_width(text, TEXT);
 }
 
 /* A page with room for `beside` pixels at the right of the slice, title drawn. */
-static ph_status page_new(page *p, const slice *s, int beside, int tall, const char *title,
-                          ph_error *err)
+static ph_status page_new(page *p, const slice *s, int beside, int tall,
+                          const char *title, ph_error *err)
 {
     ph_status st = PH_OK;
     char text[300] = "";
@@ -110,10 +111,12 @@ out:
     return st;
 }
 
-static void draw_cell(page *p, const slice *s, ptrdiff_t i, ptrdiff_t j, ph_i_colour colour)
+static void draw_cell(page *p, const slice *s, ptrdiff_t i, ptrdiff_t j,
+                      ph_i_colour colour)
 {
     ph_i_fill(&p->picture, p->left + (int)i * s->zoom[0],
-              p->top + s->height - (int)(j + 1) * s->zoom[1], s->zoom[0], s->zoom[1], colour);
+              p->top + s->height - (int)(j + 1) * s->zoom[1], s->zoom[0], s->zoom[1],
+              colour);
 }
 
 /* ---- a scalar field ---- */
@@ -146,7 +149,8 @@ static scale scale_of(const slice *s, const double *value)
         c.from = -most;
         c.to = most;
     }
-    if (c.to - c.from <= 1e-12 * most || c.to == c.from) { /* constant: the middle colour */
+    if (c.to - c.from <= 1e-12 * most ||
+        c.to == c.from) { /* constant: the middle colour */
         double half = most > 1e-300 ? 0.5 * most : 1;
         c.from = c.low - half;
         c.to = c.high + half;
@@ -207,8 +211,8 @@ static void draw_range(page *p, const slice *s, int tall, const scale *c)
     ph_i_text(&p->picture, x, y, TEXT, text, black);
 }
 
-ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value, int axis,
-                       const char *title, ph_error *err)
+ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value,
+                       int axis, const char *title, ph_error *err)
 {
     enum { TALL = 160 };
     ph_status st = PH_OK;
@@ -257,10 +261,11 @@ static void draw_phases(page *p, const slice *s, const ph_microstructure *micro)
                 if (cut->base >= 0)
                     colour = ph_i_material_colour(cut->base,
                                                   micro->materials[cut->base].is_void);
-                colour = ph_i_mix_colours(colour,
-                                  ph_i_material_colour(cut->material,
-                                                       micro->materials[cut->material].is_void),
-                                  cut->fraction);
+                colour = ph_i_mix_colours(
+                    colour,
+                    ph_i_material_colour(cut->material,
+                                         micro->materials[cut->material].is_void),
+                    cut->fraction);
             }
             draw_cell(p, s, i, j, colour);
         }
@@ -281,7 +286,8 @@ static void draw_legend(page *p, const slice *s, const ph_microstructure *micro,
         ph_i_frame(&p->picture, x + 1, y + 1, SWATCH, SWATCH, black);
         fitted(m->name, LEGEND_TEXT * PH_I_LETTER_WIDTH * TEXT, TEXT, text, sizeof text);
         ph_i_text(&p->picture, x + SWATCH + 12, y, TEXT, text, black);
-        snprintf(text, sizeof text, "%.2f %%%s", 100 * fraction[i], m->is_void ? ", void" : "");
+        snprintf(text, sizeof text, "%.2f %%%s", 100 * fraction[i],
+                 m->is_void ? ", void" : "");
         ph_i_text(&p->picture, x + SWATCH + 12, y + 20, TEXT, text, soft);
     }
     if (micro->nmaterials > MAX_LEGEND) {

@@ -17,7 +17,10 @@ typedef struct draft_document {
 static const char *const strain_names[2][6] = {{"11", "22", "12"},
                                                {"11", "22", "33", "23", "13", "12"}};
 
-static const char *load_name(int n, int load) { return strain_names[n == 6][load]; }
+static const char *load_name(int n, int load)
+{
+    return strain_names[n == 6][load];
+}
 
 /* A new empty object, put into `parent` under `key`, which keeps it. */
 static ph_status section(json_t *parent, const char *key, json_t **out, ph_error *err)
@@ -32,8 +35,8 @@ static ph_status put_text(json_t *obj, const char *key, const char *text, ph_err
     return ph_i_json_put(obj, key, ph_i_json_text(text), err);
 }
 
-static ph_status put_real(draft_document *d, json_t *obj, const char *path, const char *key,
-                          double x, ph_error *err)
+static ph_status put_real(draft_document *d, json_t *obj, const char *path,
+                          const char *key, double x, ph_error *err)
 {
     return ph_i_json_put_number(obj, path, key, x, d->reasons, "not computed", err);
 }
@@ -54,7 +57,8 @@ static ph_status put_matrix(draft_document *d, json_t *obj, const char *path,
     json_t *rows = NULL;
     bool finite = true;
     ph_sym4_to_voigt(c, stiffness, voigt);
-    for (int k = 0; k < c->n * c->n; k++) finite = finite && isfinite(voigt[k]);
+    for (int k = 0; k < c->n * c->n; k++)
+        finite = finite && isfinite(voigt[k]);
     PH_TRY(ph_i_json_matrix(c->n, voigt, &rows, err));
     PH_TRY(ph_i_json_put(obj, key, rows, err));
     if (!finite) PH_TRY(put_reason(d, path, "not finite", err));
@@ -66,22 +70,9 @@ out:
 
 static ph_status put_case(draft_document *d, ph_error *err)
 {
-    ph_status st = PH_OK;
-    char *text = NULL;
-    json_error_t where;
-    PH_TRY(ph_case_to_json(d->c, &text, err));
-    json_t *parsed = json_loads(text, 0, &where);
-    if (!parsed) {
-        st = json_error_code(&where) == json_error_out_of_memory
-                 ? PH_FAIL(err, PH_ENOMEM, "no memory for the case")
-                 : PH_FAIL(err, PH_EINTERNAL, "the resolved case is not JSON: %s",
-                           where.text);
-        goto out;
-    }
-    PH_TRY(ph_i_json_put(d->root, "case", parsed, err));
-out:
-    free(text);
-    return st;
+    json_t *map = NULL;
+    ph_status st = ph_i_case_json(d->c, &map, err);
+    return st == PH_OK ? ph_i_json_put(d->root, "case", map, err) : st;
 }
 
 /* JSON integers are signed here; a larger seed is written as text. */
@@ -169,8 +160,10 @@ static ph_status put_stabilisation(draft_document *d, json_t *model, ph_error *e
     ph_status st = PH_OK;
     const ph_result *r = d->result;
     json_t *kind;
-    if (r->stabilisation == PH_STABILISE_AUTO) return put_text(model, "stabilisation", "auto", err);
-    if (r->stabilisation == PH_STABILISE_NONE) return put_text(model, "stabilisation", "none", err);
+    if (r->stabilisation == PH_STABILISE_AUTO)
+        return put_text(model, "stabilisation", "auto", err);
+    if (r->stabilisation == PH_STABILISE_NONE)
+        return put_text(model, "stabilisation", "none", err);
     PH_TRY(section(model, "stabilisation", &kind, err));
     const char *name =
         r->stabilisation == PH_STABILISE_SPECTRAL ? "spectral" : "subpoint";
@@ -308,7 +301,8 @@ static ph_status put_derived(draft_document *d, json_t *effective, const char *m
         snprintf(why, sizeof why, "load cases %s were not solved", missing);
     }
     if (ok) {
-        PH_TRY(put_matrix(d, effective, "effective.compliance", "compliance", &inverse, false, err));
+        PH_TRY(put_matrix(d, effective, "effective.compliance", "compliance", &inverse,
+                          false, err));
     } else {
         e = no_engineering();
         PH_TRY(ph_i_json_put(effective, "compliance", json_null(), err));
@@ -344,14 +338,16 @@ static ph_status put_bounds(draft_document *d, ph_error *err)
     json_t *bounds, *voigt, *reuss;
     PH_TRY(section(d->root, "bounds", &bounds, err));
     PH_TRY(section(bounds, "voigt", &voigt, err));
-    PH_TRY(put_matrix(d, voigt, "bounds.voigt.stiffness", "stiffness", &d->result->voigt, true, err));
+    PH_TRY(put_matrix(d, voigt, "bounds.voigt.stiffness", "stiffness", &d->result->voigt,
+                      true, err));
     PH_TRY(section(bounds, "reuss", &reuss, err));
     ph_sym4 lower = d->result->reuss;
     if (d->result->reuss_is_zero) {
         memset(lower.m, 0, sizeof lower.m);
         PH_TRY(put_text(reuss, "note", "zero: a phase is void", err));
     }
-    PH_TRY(put_matrix(d, reuss, "bounds.reuss.stiffness", "stiffness", &lower, true, err));
+    PH_TRY(
+        put_matrix(d, reuss, "bounds.reuss.stiffness", "stiffness", &lower, true, err));
 out:
     return st;
 }
@@ -370,12 +366,14 @@ static ph_status put_solver(draft_document *d, ph_error *err)
     PH_TRY(put_text(solver, "route", r->route, err));
     for (int a = 0; a < r->stiffness.n; a++)
         if (r->loads >> a & 1u)
-            PH_TRY(ph_i_json_add(loads, ph_i_json_text(load_name(r->stiffness.n, a)), err));
+            PH_TRY(
+                ph_i_json_add(loads, ph_i_json_text(load_name(r->stiffness.n, a)), err));
     for (int i = 0; i < r->nloads && i < 6; i++) {
         PH_TRY(ph_i_json_add(iterations, json_integer(r->iterations[i]), err));
         PH_TRY(ph_i_json_add(residual, ph_i_json_number(r->residual[i]), err));
         if (!isfinite(r->residual[i]))
-            PH_TRY(put_reason(d, "solver.residual", "not finite: the solver broke down", err));
+            PH_TRY(put_reason(d, "solver.residual", "not finite: the solver broke down",
+                              err));
     }
     PH_TRY(ph_i_json_put(solver, "loads", json_incref(loads), err));
     PH_TRY(ph_i_json_put(solver, "iterations", json_incref(iterations), err));
@@ -395,13 +393,14 @@ static ph_status put_worth_and_cost(draft_document *d, ph_error *err)
     json_t *quality, *cost, *bar;
     PH_TRY(section(d->root, "quality", &quality, err));
     PH_TRY(put_real(d, quality, "quality", "hill_mandel", r->hill_mandel, err));
-    PH_TRY(put_real(d, quality, "quality", "stabilisation_energy", r->stabilisation_energy,
-                    err));
+    PH_TRY(put_real(d, quality, "quality", "stabilisation_energy",
+                    r->stabilisation_energy, err));
     PH_TRY(section(quality, "error_bar", &bar, err));
     PH_TRY(section(d->root, "cost", &cost, err));
     PH_TRY(put_real(d, cost, "cost", "seconds", r->seconds, err));
     PH_TRY(put_real(d, cost, "cost", "seconds_solve", r->seconds_solve, err));
-    PH_TRY(ph_i_json_put(cost, "peak_bytes", json_integer((json_int_t)r->peak_bytes), err));
+    PH_TRY(
+        ph_i_json_put(cost, "peak_bytes", json_integer((json_int_t)r->peak_bytes), err));
     PH_TRY(ph_i_json_put(cost, "threads", json_integer(r->threads), err));
     PH_TRY(ph_i_json_put(cost, "applications", json_integer(r->applications), err));
     PH_TRY(ph_i_json_put(cost, "ffts", json_integer(r->ffts), err));
@@ -426,8 +425,8 @@ out:
     return st;
 }
 
-ph_status ph_result_to_json(const ph_result *result, const ph_case *c, const char *command,
-                            char **json, ph_error *err)
+ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
+                            const char *command, char **json, ph_error *err)
 {
     ph_status st = PH_OK;
     draft_document d = {result, c, NULL, NULL};

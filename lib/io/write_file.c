@@ -19,7 +19,8 @@ ph_status ph_i_io_error(ph_error *err, const char *verb, const char *path, int n
                        : number == ENOTDIR ? " (a part of the path is a file)"
                        : number == EFBIG   ? " (file size limit of this process)"
                                            : "";
-    return PH_FAIL(err, PH_EIO, "cannot %s '%.300s': %s%s", verb, path, text, hint);
+    return PH_FAIL(err, number == ENOMEM ? PH_ENOMEM : PH_EIO, "cannot %s '%.300s': %s%s",
+                   verb, path, text, hint);
 }
 
 /* Length of the folder part of a path, the slash not counted; 0: no slash. */
@@ -65,13 +66,13 @@ ph_status ph_i_draft_begin(ph_i_draft *draft, const char *path, ph_error *err)
         goto out;
     }
     size_t folder = folder_length(draft->target);
-    PH_CHECK(folder + 64 < sizeof draft->path, PH_EIO, "cannot write '%.100s...': %s", path,
-             "the path is too long");
+    PH_CHECK(folder + 64 < sizeof draft->path, PH_EIO, "cannot write '%.100s...': %s",
+             path, "the path is too long");
     int fd = -1;
     for (int attempt = 0; attempt < 1000 && fd < 0; attempt++) {
         /* its own short name: one derived from the target could exceed NAME_MAX */
-        snprintf(draft->path, sizeof draft->path, "%.*s%s.perihom-%ld-%d.tmp", (int)folder,
-                 draft->target, folder ? "/" : "", (long)getpid(), attempt);
+        snprintf(draft->path, sizeof draft->path, "%.*s%s.perihom-%ld-%d.tmp",
+                 (int)folder, draft->target, folder ? "/" : "", (long)getpid(), attempt);
         fd = open(draft->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST) break;
     }

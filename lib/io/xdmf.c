@@ -45,8 +45,8 @@ static void put_attribute(FILE *out, const char *h5, const ph_grid *g, const cha
             a.vector ? "Vector" : "Scalar", a.node ? "Node" : "Cell");
     fputs("    <DataItem Dimensions=\"", out);
     put_shape(out, shape);
-    fprintf(out, "%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">", a.vector ? " 3" : "",
-            a.phase ? "UInt" : "Float", a.phase ? 2 : 8);
+    fprintf(out, "%s\" NumberType=\"%s\" Precision=\"%d\" Format=\"HDF\">",
+            a.vector ? " 3" : "", a.phase ? "UInt" : "Float", a.phase ? 2 : 8);
     put_escaped(out, h5);
     fprintf(out, ":%s</DataItem>\n   </Attribute>\n", a.dataset);
 }
@@ -65,7 +65,8 @@ static void put_mesh(FILE *out, const ph_grid *g)
           "    <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" "
           "Format=\"XML\">",
           out);
-    fprintf(out, "%.17g %.17g %.17g</DataItem>\n   </Geometry>\n", g->h[2], g->h[1], g->h[0]);
+    fprintf(out, "%.17g %.17g %.17g</DataItem>\n   </Geometry>\n", g->h[2], g->h[1],
+            g->h[0]);
 }
 
 static void put_load(FILE *out, const char *h5, const ph_grid *g, const ph_fields *f,
@@ -104,7 +105,8 @@ static void put_document(FILE *out, const char *h5, const ph_microstructure *mic
         fprintf(out,
                 "  <Information Name=\"displacement\" Value=\"cell data, "
                 "taken at the %s\"/>\n",
-                result->points == PH_POINTS_NODES ? "cell centres" : "lower cell corners");
+                result->points == PH_POINTS_NODES ? "cell centres"
+                                                  : "lower cell corners");
     fputs("  <Grid Name=\"rve\" GridType=\"Uniform\">\n", out);
     put_mesh(out, g);
     put_attribute(out, h5, g, "phase", (attribute){.dataset = "/phase", .phase = true});

@@ -253,8 +253,7 @@ static ph_status add_cell(builder *b, const ptrdiff_t at[3], int32_t cell, ph_er
     bool empty = map->hooke[entry] == PH_HOOKE_ZERO;
     if (empty && b->list->s == 0.0) return PH_OK;
     double theta = p->stabilisation == PH_STABILISE_SUBPOINT ? p->value : 0.0;
-    if (p->family && (theta < 1.0 || b->list->s > 0.0))
-        PH_TRY(add_family_point(b, at, cell, 1.0 - theta, err));
+    if (p->family) PH_TRY(add_family_point(b, at, cell, 1.0 - theta, err));
     if (p->family && theta == 0.0) return PH_OK;
     for (int corner = 0; corner < 8; corner++) {
         bool skip = false;

@@ -35,7 +35,8 @@ ph_status ph_i_cells_init(ph_cells *cells, const ph_layout *layout,
     for (int a = 0; a < 3; a++)
         if (layout->axis[a] >= 0) corners *= 2.0;
     for (int a = 0; a < 3; a++)
-        if (layout->axis[a] >= 0) cells->f[layout->axis[a]] = 2.0 / (corners * layout->h[a]);
+        if (layout->axis[a] >= 0)
+            cells->f[layout->axis[a]] = 2.0 / (corners * layout->h[a]);
     cells->line = (layout->n[2] + 8 + 7) / 8 * 8;
     PH_DOUBLES(cells->lines, meter, (size_t)(cells->threads * LINES * cells->line),
                "work lines");
@@ -50,7 +51,8 @@ out:
 void ph_i_cells_clear(ph_cells *cells, ph_meter *meter)
 {
     const ph_layout *l = &cells->layout;
-    ph_i_doubles_free(meter, &cells->lines, (size_t)(cells->threads * LINES * cells->line));
+    ph_i_doubles_free(meter, &cells->lines,
+                      (size_t)(cells->threads * LINES * cells->line));
     ph_i_doubles_free(meter, &cells->high,
                       (size_t)(cells->threads * 2 * l->nd * l->n[1] * l->n[2]));
 }
@@ -66,8 +68,10 @@ static row row_lines(const ph_cells *c, int thread)
     next += 3 * c->line;
     memset(zero, 0, sizeof(double) * (size_t)c->line);
     for (int i = 0; i < 3; i++) {
-        for (int d = 0; d < 3; d++) r.g[i][d] = zero, r.t[i][d] = waste;
-        for (int m = 0; m < PAIRS; m++) r.q[i][m] = zero, r.p[i][m] = waste;
+        for (int d = 0; d < 3; d++)
+            r.g[i][d] = zero, r.t[i][d] = waste;
+        for (int m = 0; m < PAIRS; m++)
+            r.q[i][m] = zero, r.p[i][m] = waste;
         if (i >= c->layout.nd) continue;
         for (int a = 0; a < 3; a++)
             if (ax[a] >= 0) r.g[i][ax[a]] = r.t[i][ax[a]] = next, next += c->line;
@@ -121,18 +125,22 @@ static void sum_line(const sums *s, ptrdiff_t n, int active, bool modes)
     const ptrdiff_t last = n - 1;
     if (active == 3 && modes) {
 #pragma omp simd
-        for (ptrdiff_t k = 0; k < last; k++) sum3(s, k, k + 1, true);
+        for (ptrdiff_t k = 0; k < last; k++)
+            sum3(s, k, k + 1, true);
         sum3(s, last, 0, true);
     } else if (active == 3) {
 #pragma omp simd
-        for (ptrdiff_t k = 0; k < last; k++) sum3(s, k, k + 1, false);
+        for (ptrdiff_t k = 0; k < last; k++)
+            sum3(s, k, k + 1, false);
         sum3(s, last, 0, false);
     } else if (active == 2) {
 #pragma omp simd
-        for (ptrdiff_t k = 0; k < last; k++) sum2(s, k, k + 1, modes);
+        for (ptrdiff_t k = 0; k < last; k++)
+            sum2(s, k, k + 1, modes);
         sum2(s, last, 0, modes);
     } else if (active == 1) {
-        for (ptrdiff_t k = 0; k < last; k++) s->gz[k] = s->fz * (s->r00[k + 1] - s->r00[k]);
+        for (ptrdiff_t k = 0; k < last; k++)
+            s->gz[k] = s->fz * (s->r00[k + 1] - s->r00[k]);
         s->gz[last] = s->fz * (s->r00[0] - s->r00[last]);
     }
 }
@@ -142,11 +150,12 @@ static int active_axes(const ph_layout *l)
     return (l->axis[0] >= 0) + (l->axis[1] >= 0) + (l->axis[2] >= 0);
 }
 
-static void gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_t j, bool modes,
-                   row *r)
+static void gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_t j,
+                   bool modes, row *r)
 {
     const ph_layout *l = &c->layout;
-    ptrdiff_t i1 = i + 1 < l->n[0] ? i + 1 : 0, j1 = j + 1 < l->n[1] ? j + 1 : 0, n = l->n[2];
+    ptrdiff_t i1 = i + 1 < l->n[0] ? i + 1 : 0, j1 = j + 1 < l->n[1] ? j + 1 : 0,
+              n = l->n[2];
     int x = l->axis[0], y = l->axis[1], z = l->axis[2], active = active_axes(l);
     for (int a = 0; a < l->nd; a++) {
         const double *p = u + a * l->cells;
@@ -184,7 +193,10 @@ typedef double vec __attribute__((vector_size(32)));
 typedef double vec_in_memory __attribute__((vector_size(32), aligned(8), may_alias));
 typedef int64_t lanes __attribute__((vector_size(32)));
 
-static inline vec load(const double *a) { return *(const vec_in_memory *)a; }
+static inline vec load(const double *a)
+{
+    return *(const vec_in_memory *)a;
+}
 
 /* Store the lanes that belong to the run, keep what stands in the others. */
 static inline void store(double *a, vec v, lanes own)
@@ -192,7 +204,10 @@ static inline void store(double *a, vec v, lanes own)
     *(vec_in_memory *)a = (vec)(((lanes)v & own) | ((lanes)load(a) & ~own));
 }
 
-static inline vec all(double x) { return (vec){x, x, x, x}; }
+static inline vec all(double x)
+{
+    return (vec){x, x, x, x};
+}
 
 /* e += strain of sym(v (x) axis d). nd, d compile-time. */
 static inline void add_column(int nd, vec *e, int d, const vec *v)
@@ -227,13 +242,15 @@ static inline void hooke(int ns, ph_hooke kind, const double *c, const vec *e, v
         vec tr = c[1] * (ns == 6 ? e[0] + e[1] + e[2] : e[0] + e[1]);
         double mu2 = c[ns * ns - 1];
 #pragma GCC unroll 6
-        for (int i = 0; i < ns; i++) s[i] = i < normal ? mu2 * e[i] + tr : mu2 * e[i];
+        for (int i = 0; i < ns; i++)
+            s[i] = i < normal ? mu2 * e[i] + tr : mu2 * e[i];
     } else {
 #pragma GCC unroll 6
         for (int i = 0; i < ns; i++) {
             s[i] = c[i * ns] * e[0];
 #pragma GCC unroll 6
-            for (int j = 1; j < ns; j++) s[i] += c[i * ns + j] * e[j];
+            for (int j = 1; j < ns; j++)
+                s[i] += c[i * ns + j] * e[j];
         }
     }
 }
@@ -250,11 +267,13 @@ static inline void mean_mode(int nd, ph_hooke kind, const double *c, const weigh
     const int ns = nd == 3 ? 6 : 3;
     vec e[6], s[6], v[3];
 #pragma GCC unroll 6
-    for (int i = 0; i < ns; i++) e[i] = all(w->macro[i]);
+    for (int i = 0; i < ns; i++)
+        e[i] = all(w->macro[i]);
 #pragma GCC unroll 3
     for (int d = 0; d < nd; d++) {
 #pragma GCC unroll 3
-        for (int a = 0; a < nd; a++) v[a] = load(&r->g[a][d][k]);
+        for (int a = 0; a < nd; a++)
+            v[a] = load(&r->g[a][d][k]);
         add_column(nd, e, d, v);
     }
     hooke(ns, kind, c, e, s);
@@ -262,7 +281,8 @@ static inline void mean_mode(int nd, ph_hooke kind, const double *c, const weigh
     for (int d = 0; d < nd; d++) {
         take_column(nd, s, d, w->scale * w->f[d], v);
 #pragma GCC unroll 3
-        for (int a = 0; a < nd; a++) store(&r->t[a][d][k], v[a], own);
+        for (int a = 0; a < nd; a++)
+            store(&r->t[a][d][k], v[a], own);
     }
 }
 
@@ -273,12 +293,14 @@ static inline void linear_mode(int nd, ph_hooke kind, const double *c, const wei
     const int ns = nd == 3 ? 6 : 3;
     vec e[6], s[6], v[3];
 #pragma GCC unroll 6
-    for (int i = 0; i < ns; i++) e[i] = all(0.0);
+    for (int i = 0; i < ns; i++)
+        e[i] = all(0.0);
 #pragma GCC unroll 3
     for (int b = 0; b < nd; b++) {
         if (b == d) continue;
 #pragma GCC unroll 3
-        for (int a = 0; a < nd; a++) v[a] = w->f[b] * q[3 - d - b][a];
+        for (int a = 0; a < nd; a++)
+            v[a] = w->f[b] * q[3 - d - b][a];
         add_column(nd, e, b, v);
     }
     hooke(ns, kind, c, e, s);
@@ -287,7 +309,8 @@ static inline void linear_mode(int nd, ph_hooke kind, const double *c, const wei
         if (b == d) continue;
         take_column(nd, s, b, w->scale * w->c1 * w->f[b], v);
 #pragma GCC unroll 3
-        for (int a = 0; a < nd; a++) p[3 - d - b][a] += v[a];
+        for (int a = 0; a < nd; a++)
+            p[3 - d - b][a] += v[a];
     }
 }
 
@@ -297,14 +320,17 @@ static inline void bilinear_mode(ph_hooke kind, const double *c, const weights *
 {
     vec e[6], s[6], v[3];
 #pragma GCC unroll 6
-    for (int i = 0; i < 6; i++) e[i] = all(0.0);
+    for (int i = 0; i < 6; i++)
+        e[i] = all(0.0);
 #pragma GCC unroll 3
-    for (int a = 0; a < 3; a++) v[a] = w->f[d] * q[3][a];
+    for (int a = 0; a < 3; a++)
+        v[a] = w->f[d] * q[3][a];
     add_column(3, e, d, v);
     hooke(6, kind, c, e, s);
     take_column(3, s, d, w->scale * w->c2 * w->f[d], v);
 #pragma GCC unroll 3
-    for (int a = 0; a < 3; a++) p[3][a] += v[a];
+    for (int a = 0; a < 3; a++)
+        p[3][a] += v[a];
 }
 
 /* The modes beside the average. The lines q and p are the same: read all, then write. */
@@ -321,15 +347,18 @@ static inline void other_modes(int nd, ph_hooke kind, const double *c, const wei
             p[m][a] = w->scale * w->hourglass * q[m][a];
         }
 #pragma GCC unroll 3
-    for (int d = 0; d < nd; d++) linear_mode(nd, kind, c, w, d, q, p);
+    for (int d = 0; d < nd; d++)
+        linear_mode(nd, kind, c, w, d, q, p);
     if (nd == 3) {
 #pragma GCC unroll 3
-        for (int d = 0; d < 3; d++) bilinear_mode(kind, c, w, d, q, p);
+        for (int d = 0; d < 3; d++)
+            bilinear_mode(kind, c, w, d, q, p);
     }
 #pragma GCC unroll 4
     for (int m = low; m < high; m++)
 #pragma GCC unroll 3
-        for (int a = 0; a < nd; a++) store(&r->p[a][m][k], p[m][a], own);
+        for (int a = 0; a < nd; a++)
+            store(&r->p[a][m][k], p[m][a], own);
 }
 
 #define RUN(nd, kind)                                                                    \
@@ -360,10 +389,15 @@ static void stress_line(const ph_cells *c, const int32_t *index, const weights *
                         const row *r, bool modes)
 {
     ptrdiff_t n = c->layout.n[2], to;
+    weights outside = *w; /* around a body that stands alone: no hourglass term either */
+    outside.hourglass = 0.0;
     for (ptrdiff_t from = 0; from < n; from = to) {
-        for (to = from + 1; to < n && index[to] == index[from];) to++;
+        for (to = from + 1; to < n && index[to] == index[from];)
+            to++;
         const double *m = c->map->c + (ptrdiff_t)index[from] * c->map->ns * c->map->ns;
-        stress_run(c->layout.nd, c->map->hooke[index[from]], m, w, r, from, to, modes);
+        bool body = index[from] != c->map->materials;
+        stress_run(c->layout.nd, c->map->hooke[index[from]], m, body ? w : &outside, r,
+                   from, to, modes);
     }
 }
 
@@ -410,7 +444,8 @@ static void scatter_row(const row *r, int a, const int *ax, double sa, double sb
         }
     }
 #pragma omp simd
-    for (ptrdiff_t k = 0; k < n - 1; k++) f[k + 1] += tmp[k];
+    for (ptrdiff_t k = 0; k < n - 1; k++)
+        f[k + 1] += tmp[k];
     f[0] += tmp[n - 1];
 }
 
@@ -437,7 +472,8 @@ static void add_plane(const ph_layout *l, const double *plane, ptrdiff_t i, doub
         double *to = f + a * l->cells + i * n;
         const double *from = plane + a * n;
 #pragma omp simd
-        for (ptrdiff_t k = 0; k < n; k++) to[k] += from[k];
+        for (ptrdiff_t k = 0; k < n; k++)
+            to[k] += from[k];
     }
 }
 
@@ -449,7 +485,8 @@ static const double *apply_slab(const ph_cells *c, const double *u, const weight
 {
     const ph_layout *l = &c->layout;
     ptrdiff_t plane = l->n[1] * l->n[2], buffer = l->nd * plane;
-    double *high[2] = {c->high + 2 * thread * buffer, c->high + (2 * thread + 1) * buffer};
+    double *high[2] = {c->high + 2 * thread * buffer,
+                       c->high + (2 * thread + 1) * buffer};
     bool modes = has_modes(c);
     row r = row_lines(c, thread);
     for (ptrdiff_t i = from; i < to; i++) {
@@ -477,8 +514,8 @@ static weights apply_weights(const ph_cells *c, const double *macro, double scal
     return w;
 }
 
-void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro, double scale,
-                      double *f)
+void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro,
+                      double scale, double *f)
 {
     const ph_layout *l = &c->layout;
     weights w = apply_weights(c, macro, scale);
@@ -509,7 +546,8 @@ void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *regi
     ptrdiff_t plane = l->n[1] * l->n[2];
     double *high = c->high;
     vec stress[6], v[3];
-    for (int i = 0; i < l->ns; i++) stress[i] = all(sigma[i]);
+    for (int i = 0; i < l->ns; i++)
+        stress[i] = all(sigma[i]);
     memset(f, 0, sizeof(double) * (size_t)(l->nd * l->cells));
     for (ptrdiff_t i = 0; i < l->n[0]; i++) {
         memset(high, 0, sizeof(double) * (size_t)(l->nd * plane));
@@ -534,12 +572,15 @@ static void strain_of(const ph_cells *c, const weights *w, const row *r, ptrdiff
 {
     int nd = c->layout.nd, ns = c->layout.ns;
     vec v[3] = {{0}}, sum[6];
-    for (int i = 0; i < ns; i++) sum[i] = all(w->macro[i]);
+    for (int i = 0; i < ns; i++)
+        sum[i] = all(w->macro[i]);
     for (int d = 0; d < nd; d++) {
-        for (int a = 0; a < nd; a++) v[a] = all(r->g[a][d][k]);
+        for (int a = 0; a < nd; a++)
+            v[a] = all(r->g[a][d][k]);
         add_column(nd, sum, d, v);
     }
-    for (int i = 0; i < ns; i++) e[i] = sum[i][0];
+    for (int i = 0; i < ns; i++)
+        e[i] = sum[i][0];
 }
 
 void ph_i_cells_strain(const ph_cells *c, const double *u, const double *macro,
@@ -561,8 +602,8 @@ void ph_i_cells_strain(const ph_cells *c, const double *u, const double *macro,
 }
 
 /* Twice the energy of the modes of one cell: sum of raw amplitude times its force. */
-static void mode_energy(const ph_cells *c, const double *q, const double *m, ph_hooke kind,
-                        ph_cell_energy *energy)
+static void mode_energy(const ph_cells *c, const double *q, const double *m,
+                        ph_hooke kind, ph_cell_energy *energy)
 {
     weights w = apply_weights(c, NULL, 1.0);
     const lanes own = {-1, 0, 0, 0};
@@ -581,7 +622,8 @@ static void mode_energy(const ph_cells *c, const double *q, const double *m, ph_
     else
         other_modes(2, kind, m, &w, &one, 0, own);
     for (int a = 0; a < 3; a++)
-        for (int p = 0; p < PAIRS; p++) energy->modes += q[a * PAIRS + p] * force[a][p][0];
+        for (int p = 0; p < PAIRS; p++)
+            energy->modes += q[a * PAIRS + p] * force[a][p][0];
 }
 
 void ph_i_cells_sums(const ph_cells *c, const double *u, const double *macro,
@@ -593,7 +635,8 @@ void ph_i_cells_sums(const ph_cells *c, const double *u, const double *macro,
     row r = row_lines(c, 0);
     bool modes = has_modes(c);
     memset(energy, 0, sizeof *energy);
-    for (int a = 0; a < l->ns; a++) stress[a] = strain[a] = 0.0;
+    for (int a = 0; a < l->ns; a++)
+        stress[a] = strain[a] = 0.0;
     for (ptrdiff_t i = 0; i < l->n[0]; i++)
         for (ptrdiff_t j = 0; j < l->n[1]; j++) {
             gather(c, u, i, j, modes, &r);

@@ -25,10 +25,10 @@ typedef struct ph_cells {
     double c1, c2;
     double hourglass; /* per raw (signed corner sum) amplitude squared */
     int threads;
-    double f[3];      /* 2 / (2^active h) by direction, 0 where inactive */
-    ptrdiff_t line;   /* doubles per line buffer */
-    double *lines;    /* [threads] work lines */
-    double *high;     /* [threads][2][nd][plane] forces on the upper node plane */
+    double f[3];    /* 2 / (2^active h) by direction, 0 where inactive */
+    ptrdiff_t line; /* doubles per line buffer */
+    double *lines;  /* [threads] work lines */
+    double *high;   /* [threads][2][nd][plane] forces on the upper node plane */
 } ph_cells;
 
 ph_status ph_i_cells_init(ph_cells *cells, const ph_layout *layout,

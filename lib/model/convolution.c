@@ -17,7 +17,8 @@ void ph_i_gradient_symbol(ph_fft *fft, const ph_layout *layout, ptrdiff_t count,
 {
     memset(real, 0, sizeof(double) * (size_t)layout->cells);
     for (ptrdiff_t b = 0; b < count; b++) {
-        ptrdiff_t x = 0; /* the kernel at -o, so that the sum over bonds is a convolution */
+        ptrdiff_t x =
+            0; /* the kernel at -o, so that the sum over bonds is a convolution */
         for (int a = 0; a < 3; a++) {
             int o = layout->axis[a] >= 0 ? offset[b][layout->axis[a]] : 0;
             x = x * layout->n[a] + wrap(-o, layout->n[a]);
@@ -27,9 +28,9 @@ void ph_i_gradient_symbol(ph_fft *fft, const ph_layout *layout, ptrdiff_t count,
     ph_i_fft_forward(fft, real, hat);
 }
 
-ph_status ph_i_convolution_init(ph_convolution *conv, const ph_layout *layout, ph_fft *fft,
-                                const ph_family *family, int threads, ph_meter *meter,
-                                ph_error *err)
+ph_status ph_i_convolution_init(ph_convolution *conv, const ph_layout *layout,
+                                ph_fft *fft, const ph_family *family, int threads,
+                                ph_meter *meter, ph_error *err)
 {
     ph_status st = PH_OK;
     double *real = NULL;
@@ -119,8 +120,8 @@ void ph_i_convolution_strain(ph_convolution *c, const double *uhat, double scale
 }
 
 /* f += factor * conj(g) w */
-static void accumulate(const ph_convolution *c, const double *g, double s, const double *w,
-                       double *f)
+static void accumulate(const ph_convolution *c, const double *g, double s,
+                       const double *w, double *f)
 {
 #pragma omp parallel for num_threads(c->threads) schedule(static)
     for (ptrdiff_t k = 0; k < c->modes; k++) {

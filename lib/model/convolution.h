@@ -23,14 +23,15 @@ void ph_i_gradient_symbol(ph_fft *fft, const ph_layout *layout, ptrdiff_t count,
                           const int (*offset)[3], const double (*g)[3], int direction,
                           double *real, double *hat);
 
-ph_status ph_i_convolution_init(ph_convolution *conv, const ph_layout *layout, ph_fft *fft,
-                                const ph_family *family, int threads, ph_meter *meter,
-                                ph_error *err);
+ph_status ph_i_convolution_init(ph_convolution *conv, const ph_layout *layout,
+                                ph_fft *fft, const ph_family *family, int threads,
+                                ph_meter *meter, ph_error *err);
 void ph_i_convolution_clear(ph_convolution *conv, ph_meter *meter);
 /** strain [ns][cells] = scale * sym grad u, from uhat [nd][modes] complex (kept). */
 void ph_i_convolution_strain(ph_convolution *conv, const double *uhat, double scale,
                              double *strain);
 /** fhat [nd][modes] = B^H F(stress), stress [ns][cells] (kept). */
-void ph_i_convolution_divergence(ph_convolution *conv, const double *stress, double *fhat);
+void ph_i_convolution_divergence(ph_convolution *conv, const double *stress,
+                                 double *fhat);
 
 #endif

@@ -6,8 +6,8 @@
 #include <string.h>
 
 const ph_model_method ph_models[] = {
-    {{"nosb", "non-ordinary state-based peridynamics, correspondence model", "Silling2007",
-      "always"},
+    {{"nosb", "non-ordinary state-based peridynamics, correspondence model",
+      "Silling2007", "always"},
      true},
     {{"local", "Q1 finite elements on the same grid: the local limit", "Leuschner2018",
       "always"},
@@ -18,7 +18,8 @@ const size_t ph_nmodels = sizeof ph_models / sizeof *ph_models;
 const ph_model_method *ph_i_model_find(const char *name)
 {
     for (size_t i = 0; i < ph_nmodels; i++)
-        if (strcmp(name ? name : "nosb", ph_models[i].info.name) == 0) return &ph_models[i];
+        if (strcmp(name ? name : "nosb", ph_models[i].info.name) == 0)
+            return &ph_models[i];
     return NULL;
 }
 
@@ -34,7 +35,10 @@ void ph_i_note(ph_result *result, const char *fmt, ...)
 /* Above this contrast the families of nodes need too many iterations. Measured: see the
  * page on stabilisation in the manual. */
 static const double high_contrast = 300.0;
-static const double default_alpha = 1e-5, default_theta = 0.05, default_spacings = 2.0;
+static const double default_alpha = 1e-5, default_theta = 0.01, default_spacings = 2.0;
+/* Around voids a little more is more accurate; where nodes are held the preconditioner must
+ * not reach far above the operator, or the mask mixes what it separates. */
+static const double void_theta = 0.05, bounded_alpha = 1e-4;
 /* Fewer nodes than this along an axis, and a family of two spacings meets its images. */
 enum { FEW_NODES = 5 };
 
@@ -62,12 +66,12 @@ static bool few_nodes(const ph_grid *g)
 }
 
 static ph_points choose_points(const ph_problem *p, const ph_stiffness_map *map,
-                               bool cells_only, ph_result *notes)
+                               bool bounded, ph_result *notes)
 {
     if (p->model.points != PH_POINTS_AUTO) return p->model.points;
     const char *why = NULL;
-    if (cells_only)
-        why = "the constraint needs points that see only their own cell";
+    if (bounded)
+        why = "their smallest family is exact at the faces of the RVE";
     else if (map->has_void)
         why = "a void phase: families of nodes reach across its surface";
     else if (map->contrast > high_contrast)
@@ -83,10 +87,10 @@ static ph_points choose_points(const ph_problem *p, const ph_stiffness_map *map,
 }
 
 static void choose_stabilisation(const ph_problem *p, const ph_stiffness_map *map,
-                                 ph_points points, bool cells_only, ph_operator_params *out,
+                                 ph_points points, bool bounded, ph_operator_params *out,
                                  ph_result *notes)
 {
-    bool hard = map->has_void || map->contrast > high_contrast || cells_only;
+    bool hard = map->has_void || map->contrast > high_contrast || bounded;
     out->stabilisation = p->model.stabilisation;
     out->value = p->model.stabilisation_value;
     bool automatic = out->stabilisation == PH_STABILISE_AUTO;
@@ -94,9 +98,9 @@ static void choose_stabilisation(const ph_problem *p, const ph_stiffness_map *ma
         out->stabilisation = hard && points == PH_POINTS_STRESS ? PH_STABILISE_SUBPOINT
                                                                 : PH_STABILISE_SPECTRAL;
     if (out->value == 0.0 && out->stabilisation == PH_STABILISE_SPECTRAL)
-        out->value = default_alpha;
+        out->value = bounded ? bounded_alpha : default_alpha;
     if (out->value == 0.0 && out->stabilisation == PH_STABILISE_SUBPOINT)
-        out->value = default_theta;
+        out->value = map->has_void ? void_theta : default_theta;
     if (automatic)
         ph_i_note(notes, "stabilisation: %s %g (contrast %.3g%s)",
                   out->stabilisation == PH_STABILISE_SUBPOINT ? "subpoint" : "spectral",
@@ -107,7 +111,8 @@ static double choose_horizon(const ph_problem *p, ph_points points)
 {
     const ph_grid *g = &p->micro->grid;
     if (p->model.horizon > 0.0)
-        return p->model.horizon_is_length ? p->model.horizon : p->model.horizon * widest(g);
+        return p->model.horizon_is_length ? p->model.horizon
+                                          : p->model.horizon * widest(g);
     return points == PH_POINTS_STRESS ? half_diagonal(g) : default_spacings * widest(g);
 }
 
@@ -130,7 +135,7 @@ static bool is_smallest(const ph_family *f)
 }
 
 ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
-                            bool cells_only, ph_operator_params *out, ph_family **family,
+                            bool bounded, ph_operator_params *out, ph_family **family,
                             ph_result *notes, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -142,24 +147,19 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
     if (!model->has_family) return PH_OK;
     const char *influence = p->model.influence ? p->model.influence : "constant";
     const char *weights = p->model.weights ? p->model.weights : "linear";
-    const ph_influence *om = by_name(&ph_influences[0].info, sizeof *ph_influences,
-                                     ph_ninfluences, influence);
-    const ph_volume_weight *be = by_name(&ph_volume_weights[0].info,
-                                         sizeof *ph_volume_weights, ph_nvolume_weights,
-                                         weights);
+    const ph_influence *om =
+        by_name(&ph_influences[0].info, sizeof *ph_influences, ph_ninfluences, influence);
+    const ph_volume_weight *be =
+        by_name(&ph_volume_weights[0].info, sizeof *ph_volume_weights, ph_nvolume_weights,
+                weights);
     PH_CHECK(om, PH_EINVAL, "unknown influence function '%s'", influence);
     PH_CHECK(be, PH_EINVAL, "unknown volume weight '%s'", weights);
-    ph_points points = choose_points(p, map, cells_only, notes);
-    PH_TRY(ph_family_new(&p->micro->grid, points, choose_horizon(p, points), om, be, family,
-                         err));
+    ph_points points = choose_points(p, map, bounded, notes);
+    PH_TRY(ph_family_new(&p->micro->grid, points, choose_horizon(p, points), om, be,
+                         family, err));
     out->family = *family;
     out->smallest = is_smallest(*family);
-    /* All corners of a cell are equally far from its centre: any influence function gives
-     * the same operator, but one that is zero there gave no family at all. */
-    PH_CHECK(!cells_only || out->smallest, PH_EINVAL,
-             "this constraint needs points that see only their own cell: points: stress "
-             "without a horizon, or model: local");
-    choose_stabilisation(p, map, points, cells_only, out, notes);
+    choose_stabilisation(p, map, points, bounded, out, notes);
 out:
     if (st != PH_OK) ph_family_free(family);
     return st;

@@ -16,11 +16,12 @@ extern const size_t ph_nmodels;
 const ph_model_method *ph_i_model_find(const char *name);
 
 /** Everything about the operator that `auto` leaves open, decided; notes say what and why.
- *  @param[in] cells_only the constraint needs points that see only their own cell
+ *  @param[in] bounded nodes are held, or end at the faces of the RVE: points that see only
+ *             their own cell suit it best
  *  @param[out] family NULL for local; the caller frees it */
 ph_status ph_i_model_choose(const ph_problem *problem, const ph_stiffness_map *map,
-                            bool cells_only, ph_operator_params *params,
-                            ph_family **family, ph_result *notes, ph_error *err);
+                            bool bounded, ph_operator_params *params, ph_family **family,
+                            ph_result *notes, ph_error *err);
 
 /** A line of the result's notes. */
 void ph_i_note(ph_result *result, const char *fmt, ...) PH_PRINTF(2, 3);

@@ -39,7 +39,8 @@ static ph_route choose_route(const ph_layout *l, const ph_operator_params *p)
     if (p->route != PH_ROUTE_AUTO) return p->route;
     int strains = dimensions(l) == 3 ? 6 : l->ns == 6 ? 5 : 3;
     double stencil = ns_bond * l->nd * l->nd * (double)p->family->count;
-    double convolution = 2.0 * (strains - l->nd) * ns_transform + 2.0 * strains * ns_product;
+    double convolution =
+        2.0 * (strains - l->nd) * ns_transform + 2.0 * strains * ns_product;
     return stencil < convolution ? PH_ROUTE_STENCIL : PH_ROUTE_CONVOLUTION;
 }
 
@@ -101,7 +102,8 @@ static ph_status new_spectral(ph_operator *op, double alpha, ph_error *err)
     double s = alpha * op->map->softest * dimensions(l) / trace;
     double(*w)[3] = NULL;
     PH_ALLOC(w, fam->count, "bond weights");
-    for (ptrdiff_t b = 0; b < fam->count; b++) w[b][0] = fam->w[b];
+    for (ptrdiff_t b = 0; b < fam->count; b++)
+        w[b][0] = fam->w[b];
     ph_i_gradient_symbol(op->fft, l, fam->count, (const int(*)[3])fam->offset,
                          (const double(*)[3])w, 0, real, hat);
     free(w);
@@ -119,12 +121,14 @@ static ph_status new_spectral(ph_operator *op, double alpha, ph_error *err)
 out:
     ph_i_doubles_free(op->meter, &real, (size_t)l->cells);
     ph_i_doubles_free(op->meter, &hat, nhat);
-    for (int d = 0; d < 3; d++) ph_i_doubles_free(op->meter, &g[d], nhat);
+    for (int d = 0; d < 3; d++)
+        ph_i_doubles_free(op->meter, &g[d], nhat);
     return st;
 }
 
 /* The family part by its route. */
-static ph_status new_family_part(ph_operator *op, const ph_operator_params *p, ph_error *err)
+static ph_status new_family_part(ph_operator *op, const ph_operator_params *p,
+                                 ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_layout *l = &op->layout;
@@ -133,7 +137,8 @@ static ph_status new_family_part(ph_operator *op, const ph_operator_params *p, p
     op->share = 1.0 - theta;
     if (op->route == PH_ROUTE_CELLS) {
         double c1 = p->family ? theta : 1.0 / 3.0, c2 = p->family ? theta : 1.0 / 9.0;
-        bool in_space = p->hourglass_in_space && p->stabilisation == PH_STABILISE_SPECTRAL;
+        bool in_space =
+            p->hourglass_in_space && p->stabilisation == PH_STABILISE_SPECTRAL;
         double s = in_space ? hourglass_coefficient(l, p->value, op->map->softest) : 0.0;
         PH_TRY(ph_i_cells_init(&op->cells, l, op->map, c1, c2, s, op->threads, m, err));
         op->has_cells = true;
@@ -142,13 +147,13 @@ static ph_status new_family_part(ph_operator *op, const ph_operator_params *p, p
     }
     PH_DOUBLES(op->e, m, (size_t)(l->ns * l->cells), "the strain field");
     if (op->route == PH_ROUTE_CONVOLUTION) {
-        PH_TRY(ph_i_convolution_init(&op->convolution, l, op->fft, p->family, op->threads, m,
-                                     err));
+        PH_TRY(ph_i_convolution_init(&op->convolution, l, op->fft, p->family, op->threads,
+                                     m, err));
         op->has_convolution = true;
     } else {
         PH_TRY(ph_i_stencil_new(l, p->family->count, (const int(*)[3])p->family->offset,
-                                (const double(*)[3])p->family->g, op->threads, &op->stencil,
-                                err));
+                                (const double(*)[3])p->family->g, op->threads,
+                                &op->stencil, err));
     }
 out:
     return st;
@@ -164,9 +169,15 @@ static ptrdiff_t pad_size(const ph_operator *op)
     return row * op->layout.n[0] * op->layout.n[1] * op->layout.ns;
 }
 
+/* Does a field have to pass through Fourier space to meet this operator? */
+static bool by_spectrum(const ph_operator *op)
+{
+    return op->has_convolution || op->spectral;
+}
+
 ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
-                            const ph_operator_params *p, ph_meter *meter, ph_operator **out,
-                            ph_error *err)
+                            const ph_operator_params *p, ph_meter *meter,
+                            ph_operator **out, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_operator *op = NULL;
@@ -195,6 +206,8 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
         !(op->has_cells && p->hourglass_in_space))
         PH_TRY(new_spectral(op, p->value, err));
+    if (by_spectrum(op))
+        PH_DOUBLES(op->hat, meter, 2 * nd * (size_t)op->modes, "a transformed field");
     if (op->stencil || op->nsub)
         PH_DOUBLES(op->pad, meter, (size_t)pad_size(op), "padded rows");
     *out = op;
@@ -214,12 +227,14 @@ void ph_i_operator_free(ph_operator **out)
     if (op->has_convolution) ph_i_convolution_clear(&op->convolution, op->meter);
     ph_i_stencil_free(&op->stencil);
     ph_i_bondlist_free(&op->bonds);
-    for (int i = 0; i < op->nsub; i++) ph_i_stencil_free(&op->sub[i]);
+    for (int i = 0; i < op->nsub; i++)
+        ph_i_stencil_free(&op->sub[i]);
     ph_i_doubles_free(op->meter, &op->u, nd * cells);
     ph_i_doubles_free(op->meter, &op->f, nd * cells);
     ph_i_doubles_free(op->meter, &op->e, (size_t)op->layout.ns * cells);
     ph_i_doubles_free(op->meter, &op->spectral, (size_t)op->modes);
     ph_i_doubles_free(op->meter, &op->hat, 2 * nd * (size_t)op->modes);
+    ph_i_doubles_free(op->meter, &op->hat2, 2 * nd * (size_t)op->modes);
     ph_i_fft_free(&op->fft);
     free(op);
     *out = NULL;
@@ -239,7 +254,8 @@ void ph_i_operator_backward(ph_operator *op, const double *uhat, double *work, d
                           u + a * op->layout.cells);
     ptrdiff_t n = op->layout.nd * op->layout.cells;
 #pragma omp parallel for simd num_threads(op->threads) schedule(static)
-    for (ptrdiff_t x = 0; x < n; x++) u[x] *= scale;
+    for (ptrdiff_t x = 0; x < n; x++)
+        u[x] *= scale;
 }
 
 /* f = scale * B^T C (B u + macro) of all parts that live in space; the convolution only if
@@ -273,7 +289,8 @@ static void scale_field(const ph_operator *op, double s, ptrdiff_t n, double *x)
 {
     if (s == 1.0) return;
 #pragma omp parallel for simd num_threads(op->threads) schedule(static)
-    for (ptrdiff_t i = 0; i < n; i++) x[i] *= s;
+    for (ptrdiff_t i = 0; i < n; i++)
+        x[i] *= s;
 }
 
 static void apply_convolution_hat(ph_operator *op, const double *uhat, double *fhat)
@@ -292,7 +309,8 @@ static void apply_convolution_hat(ph_operator *op, const double *uhat, double *f
     add_subpoints(op, op->u, NULL, 1.0 / (double)op->layout.cells, op->f);
     for (int a = 0; a < op->layout.nd; a++) {
         ph_i_fft_forward(op->fft, op->f + a * op->layout.cells, work);
-        for (ptrdiff_t k = 0; k < 2 * op->modes; k++) fhat[2 * a * op->modes + k] += work[k];
+        for (ptrdiff_t k = 0; k < 2 * op->modes; k++)
+            fhat[2 * a * op->modes + k] += work[k];
     }
 }
 
@@ -321,7 +339,8 @@ void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat)
     if (op->has_convolution) {
         apply_convolution_hat(op, uhat, fhat);
     } else {
-        for (int a = 0; a < op->layout.nd; a++) /* fhat is the work space until it is set */
+        for (int a = 0; a < op->layout.nd;
+             a++) /* fhat is the work space until it is set */
             ph_i_fft_backward(op->fft, uhat + 2 * a * op->modes, fhat + 2 * a * op->modes,
                               op->u + a * op->layout.cells);
         apply_in_space(op, op->u, NULL, 1.0 / (double)op->layout.cells, op->f);
@@ -330,30 +349,26 @@ void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat)
     add_diagonal(op, uhat, fhat);
 }
 
-static ph_status need_hat(ph_operator *op)
+ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err)
 {
-    if (op->hat) return PH_OK;
-    op->hat = ph_i_doubles_new(op->meter, (size_t)(2 * op->layout.nd * op->modes));
-    return op->hat ? PH_OK : PH_ENOMEM;
+    ph_status st = PH_OK;
+    if (by_spectrum(op) && !op->hat2)
+        PH_DOUBLES(op->hat2, op->meter, (size_t)(2 * op->layout.nd * op->modes),
+                   "a transformed force");
+out:
+    return st;
 }
 
 void ph_i_operator_apply(ph_operator *op, const double *u, double *f)
 {
-    if (!op->has_convolution && !op->spectral) {
+    if (!by_spectrum(op)) {
         op->applications++;
         apply_in_space(op, u, NULL, 1.0, f);
         return;
     }
-    ptrdiff_t n = 2 * op->layout.nd * op->modes;
-    double *fhat = ph_i_doubles_new(NULL, (size_t)n);
-    if (!fhat || need_hat(op) != PH_OK) {
-        free(fhat);
-        return;
-    }
     ph_i_operator_forward(op, u, op->hat);
-    ph_i_operator_apply_hat(op, op->hat, fhat);
-    ph_i_operator_backward(op, fhat, fhat, f);
-    free(fhat);
+    ph_i_operator_apply_hat(op, op->hat, op->hat2);
+    ph_i_operator_backward(op, op->hat2, op->hat2, f);
 }
 
 void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
@@ -369,15 +384,13 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
         return;
     }
     for (int i = 0; i < l->ns; i++)
-        for (ptrdiff_t x = 0; x < l->cells; x++) op->e[i * l->cells + x] = macro[i];
+        for (ptrdiff_t x = 0; x < l->cells; x++)
+            op->e[i * l->cells + x] = macro[i];
     ph_i_hooke_field(op->map, op->threads, op->e, op->e);
     if (op->has_convolution) {
-        double *fhat = ph_i_doubles_new(NULL, (size_t)(2 * l->nd * op->modes));
-        if (!fhat) return;
-        ph_i_convolution_divergence(&op->convolution, op->e, fhat);
-        ph_i_operator_backward(op, fhat, fhat, f);
+        ph_i_convolution_divergence(&op->convolution, op->e, op->hat);
+        ph_i_operator_backward(op, op->hat, op->hat, f);
         scale_field(op, -op->share, n, f);
-        free(fhat);
     } else {
         ph_i_stencil_divergence(op->stencil, op->e, -op->share, false, op->pad, f);
     }
@@ -411,11 +424,11 @@ void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
         ph_i_stencil_strain(op->stencil, u, macro, op->pad, strain);
         return;
     }
-    if (need_hat(op) != PH_OK) return;
     ph_i_operator_forward(op, u, op->hat);
     ph_i_convolution_strain(&op->convolution, op->hat, 1.0 / (double)l->cells, strain);
     for (int i = 0; macro && i < l->ns; i++)
-        for (ptrdiff_t x = 0; x < l->cells; x++) strain[i * l->cells + x] += macro[i];
+        for (ptrdiff_t x = 0; x < l->cells; x++)
+            strain[i * l->cells + x] += macro[i];
 }
 
 /* Sums of a strain field [ns][cells]; adds share times stress, strain, energy. */
@@ -426,7 +439,8 @@ static void sum_field(const ph_operator *op, const double *e, const uint8_t *reg
     for (ptrdiff_t x = 0; x < l->cells; x++) {
         if (region && !region[x]) continue;
         double v[6], s[6];
-        for (int i = 0; i < l->ns; i++) v[i] = e[i * l->cells + x];
+        for (int i = 0; i < l->ns; i++)
+            v[i] = e[i * l->cells + x];
         ph_i_hooke(op->map, op->map->index[x], v, s);
         for (int i = 0; i < l->ns; i++) {
             stress[i] += share * s[i];
@@ -447,7 +461,8 @@ void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
         ph_i_bondlist_sums(op->bonds, u, macro, region, stress, strain, energy);
     } else {
         memset(energy, 0, sizeof *energy);
-        for (int i = 0; i < l->ns; i++) stress[i] = strain[i] = 0.0;
+        for (int i = 0; i < l->ns; i++)
+            stress[i] = strain[i] = 0.0;
         ph_i_operator_strain(op, u, macro, op->e);
         sum_field(op, op->e, region, op->share, stress, strain, &energy->mean);
         for (int i = 0; i < op->nsub; i++) {
@@ -456,7 +471,7 @@ void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
                       &energy->modes);
         }
     }
-    if (!op->spectral || need_hat(op) != PH_OK) return;
+    if (!op->spectral) return;
     ph_i_operator_forward(op, u, op->hat);
     ptrdiff_t row = ph_i_fft_row(op->fft);
     for (int a = 0; a < l->nd; a++)
@@ -482,7 +497,8 @@ static void add_symbol(const ph_operator *op, double elasticity[3][3][3][3],
         for (int j = i; j < nd; j++) {
             double p = 0.0;
             for (int d = 0; d < 3; d++)
-                for (int e = 0; e < 3; e++) p += elasticity[i][d][j][e] * Q[d][e];
+                for (int e = 0; e < 3; e++)
+                    p += elasticity[i][d][j][e] * Q[d][e];
             int at = nd == 3 ? place3[i][j] : place2[i][j];
             P[at * op->modes + k] += weight * p;
         }
@@ -507,7 +523,8 @@ static void full_tensor(const ph_sym4 *c, double t[3][3][3][3])
 
 /* Corner cells: |symbols| of the modes are products of sines and cosines of k/2; modes of
  * one energy term share their phase, so that only the moduli matter. */
-static void add_cells_symbol(const ph_operator *op, double elasticity[3][3][3][3], double *P)
+static void add_cells_symbol(const ph_operator *op, double elasticity[3][3][3][3],
+                             double *P)
 {
     const ph_layout *l = &op->layout;
     const ph_cells *c = &op->cells;
@@ -525,7 +542,10 @@ static void add_cells_symbol(const ph_operator *op, double elasticity[3][3][3][3
         }
         for (int mode = 0; mode < 8; mode++) { /* bit d: the mode is linear along d */
             int linear = (mode & 1) + (mode >> 1 & 1) + (mode >> 2 & 1);
-            double w = linear == 0 ? 1.0 : linear == 1 ? c->c1 : linear == 2 ? c->c2 : 0.0;
+            double w = linear == 0   ? 1.0
+                       : linear == 1 ? c->c1
+                       : linear == 2 ? c->c2
+                                     : 0.0;
             if (w == 0.0) continue;
             for (int d = 0; d < 3; d++) {
                 g[d] = (mode >> d & 1) ? 0.0 : c->f[d] * sn[d];
@@ -533,13 +553,16 @@ static void add_cells_symbol(const ph_operator *op, double elasticity[3][3][3][3
                     if (e != d) g[d] *= (mode >> e & 1) ? sn[e] : cs[e];
             }
             for (int d = 0; d < 3; d++)
-                for (int e = 0; e < 3; e++) Q[d][e] = g[d] * g[e];
+                for (int e = 0; e < 3; e++)
+                    Q[d][e] = g[d] * g[e];
             add_symbol(op, elasticity, Q, w, m, P);
         }
         if (c->hourglass == 0.0) continue;
         double all = 1.0, one = 1.0, grad = 0.0;
-        for (int d = 0; d < 3; d++) one *= cs[d] * cs[d];
-        for (int d = 0; d < 3; d++) all *= cs[d] * cs[d] + sn[d] * sn[d];
+        for (int d = 0; d < 3; d++)
+            one *= cs[d] * cs[d];
+        for (int d = 0; d < 3; d++)
+            all *= cs[d] * cs[d] + sn[d] * sn[d];
         for (int d = 0; d < 3; d++) {
             double v = sn[d] * sn[d];
             for (int e = 0; e < 3; e++)
@@ -594,7 +617,8 @@ static ph_status add_simplex_symbol(ph_operator *op, double elasticity[3][3][3][
                               (const double(*)[3])s->g, weight, P, err);
 }
 
-ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P, ph_error *err)
+ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P,
+                               ph_error *err)
 {
     ph_status st = PH_OK;
     double elasticity[3][3][3][3];

@@ -19,21 +19,21 @@ typedef struct ph_operator {
     int threads;
     ptrdiff_t modes;
     ph_route route;
-    double share;       /* of the family part: 1 - theta */
+    double share; /* of the family part: 1 - theta */
     bool has_cells;
-    ph_cells cells;     /* the cells route, or nothing */
+    ph_cells cells; /* the cells route, or nothing */
     ph_stencil *stencil;
     ph_bondlist *bonds; /* the bonds route, or NULL */
     bool has_convolution;
     ph_convolution convolution;
-    int nsub;           /* (P) of nodes: one-sided simplices of each node */
+    int nsub; /* (P) of nodes: one-sided simplices of each node */
     ph_stencil *sub[8];
-    double *spectral;   /* [modes] S(k), or NULL */
+    double *spectral; /* [modes] S(k), or NULL */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */
     double *e;          /* [ns][cells], stencil and convolution */
     double *pad;        /* stencil */
-    double *hat;        /* [nd][modes] complex, for real-space calls that need it */
+    double *hat, *hat2; /* [nd][modes] complex, where fields pass through Fourier space */
     long applications;
 } ph_operator;
 
@@ -44,7 +44,9 @@ void ph_i_operator_free(ph_operator **op);
 
 /** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
 void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);
-/** f = A u, [nd][cells]. */
+/** Make ready for ph_i_operator_apply: a solver whose vectors are fields calls it once. */
+ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err);
+/** f = A u, [nd][cells]. Only after ph_i_operator_in_space. */
 void ph_i_operator_apply(ph_operator *op, const double *u, double *f);
 /** f = -B^T C macro, the load of a macro strain [ns] Mandel. */
 void ph_i_operator_load(ph_operator *op, const double *macro, double *f);
@@ -65,11 +67,13 @@ void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
                           double *strain);
 /** Symbol of the operator with one stiffness C0 everywhere: P(k) = B^H C0 B + S,
  *  symmetric nd x nd, packed 00 11 22 12 02 01 (nd = 2: 00 11 01), [nd (nd+1)/2][modes]. */
-ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P, ph_error *err);
+ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P,
+                               ph_error *err);
 
 static inline const char *ph_i_route_name(ph_route route)
 {
-    static const char *const name[] = {"auto", "cells", "stencil", "convolution", "bonds"};
+    static const char *const name[] = {"auto", "cells", "stencil", "convolution",
+                                       "bonds"};
     return name[route];
 }
 

@@ -78,7 +78,8 @@ static ptrdiff_t wrap(ptrdiff_t i, ptrdiff_t n)
 }
 
 /* Rows with periodic margins, so that bonds along the last loop need no wrapping. */
-static void pad_field(const ph_stencil *s, int components, const double *from, double *pad)
+static void pad_field(const ph_stencil *s, int components, const double *from,
+                      double *pad)
 {
     ptrdiff_t n = s->layout.n[2], rows = components * s->layout.n[0] * s->layout.n[1];
     ptrdiff_t row = ph_i_stencil_row(s);
@@ -86,7 +87,8 @@ static void pad_field(const ph_stencil *s, int components, const double *from, d
     for (ptrdiff_t r = 0; r < rows; r++) {
         double *to = pad + r * row;
         memcpy(to + s->reach, from + r * n, sizeof(double) * (size_t)n);
-        for (ptrdiff_t k = 0; k < s->reach; k++) to[k] = from[r * n + wrap(k - s->reach, n)];
+        for (ptrdiff_t k = 0; k < s->reach; k++)
+            to[k] = from[r * n + wrap(k - s->reach, n)];
         for (ptrdiff_t k = n + s->reach; k < row; k++)
             to[k] = from[r * n + wrap(k - s->reach, n)];
     }
@@ -185,7 +187,8 @@ static inline void divergence_row(const ph_stencil *s, int nd, const double *pad
                     int c = nd == 3 ? component[a][d] : (a == d ? a : 2);
                     double g = s->g[b][d] * (a == d ? 1.0 : R2);
 #pragma omp simd
-                    for (int v = 0; v < BLOCK; v++) F[a][v] += g * t[c * stride + v];
+                    for (int v = 0; v < BLOCK; v++)
+                        F[a][v] += g * t[c * stride + v];
                 }
         }
         ptrdiff_t many = n - k < BLOCK ? n - k : BLOCK;
@@ -220,14 +223,17 @@ static inline void hooke_run(int ns, bool isotropic, const double *c, ptrdiff_t 
 #pragma omp simd
     for (ptrdiff_t x = from; x < to; x++) {
         double v[6], tr = 0.0;
-        for (int i = 0; i < ns; i++) v[i] = e[i * cells + x];
-        for (int i = 0; i < normal; i++) tr += v[i];
+        for (int i = 0; i < ns; i++)
+            v[i] = e[i * cells + x];
+        for (int i = 0; i < normal; i++)
+            tr += v[i];
         for (int i = 0; i < ns; i++) {
             double t = 0.0;
             if (isotropic)
                 t = c[ns * ns - 1] * v[i] + (i < normal ? c[1] * tr : 0.0);
             else
-                for (int j = 0; j < ns; j++) t += c[i * ns + j] * v[j];
+                for (int j = 0; j < ns; j++)
+                    t += c[i * ns + j] * v[j];
             s[i * cells + x] = t;
         }
     }
@@ -244,7 +250,8 @@ void ph_i_hooke_field(const ph_stiffness_map *map, int threads, const double *st
         ptrdiff_t end = (q + 1) * CHUNK < n ? (q + 1) * CHUNK : n, to;
         for (ptrdiff_t from = q * CHUNK; from < end; from = to) {
             int entry = map->index[from];
-            for (to = from + 1; to < end && map->index[to] == entry;) to++;
+            for (to = from + 1; to < end && map->index[to] == entry;)
+                to++;
             const double *c = map->c + (ptrdiff_t)entry * map->ns * map->ns;
             if (map->hooke[entry] == PH_HOOKE_ZERO) c = nothing;
             bool iso = map->hooke[entry] == PH_HOOKE_ISOTROPIC;

@@ -12,14 +12,14 @@
 typedef struct ph_stencil {
     ph_layout layout;
     int threads;
-    ptrdiff_t count;    /* bonds, the centre among them where it has a weight */
-    int (*offset)[3];   /* [count] along the loops of the layout */
-    double (*g)[3];     /* [count] by direction */
-    int reach;          /* along the last loop */
-    ptrdiff_t groups;   /* distinct (offset[0], offset[1]) */
-    int (*group)[2];    /* [groups] */
-    int *member;        /* [count] group of a bond */
-    ptrdiff_t *start;   /* [threads][groups] work */
+    ptrdiff_t count;  /* bonds, the centre among them where it has a weight */
+    int (*offset)[3]; /* [count] along the loops of the layout */
+    double (*g)[3];   /* [count] by direction */
+    int reach;        /* along the last loop */
+    ptrdiff_t groups; /* distinct (offset[0], offset[1]) */
+    int (*group)[2];  /* [groups] */
+    int *member;      /* [count] group of a bond */
+    ptrdiff_t *start; /* [threads][groups] work */
 } ph_stencil;
 
 ph_status ph_i_stencil_new(const ph_layout *layout, ptrdiff_t count,
@@ -32,8 +32,8 @@ ptrdiff_t ph_i_stencil_row(const ph_stencil *stencil);
 void ph_i_stencil_strain(const ph_stencil *stencil, const double *u, const double *macro,
                          double *pad, double *strain);
 /** f [nd][cells] = scale * B^T stress, added if `add`. `pad` [ns][n0 n1][row] is work. */
-void ph_i_stencil_divergence(const ph_stencil *stencil, const double *stress, double scale,
-                             bool add, double *pad, double *f);
+void ph_i_stencil_divergence(const ph_stencil *stencil, const double *stress,
+                             double scale, bool add, double *pad, double *f);
 /** Floating-point operations of one strain and one divergence per cell. */
 double ph_i_stencil_flops(const ph_stencil *stencil);
 

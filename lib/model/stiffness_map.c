@@ -23,7 +23,8 @@ static void store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
     int n = map->ns;
     double *to = map->c + (ptrdiff_t)entry * n * n;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) to[i * n + j] = c->m[i][j];
+        for (int j = 0; j < n; j++)
+            to[i * n + j] = c->m[i][j];
     map->hooke[entry] = classify(c);
 }
 
@@ -80,7 +81,8 @@ static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *use
         }
         double low, high, trace = 0.0;
         ph_sym4_eigenvalues(&phase[p], &low, &high);
-        for (int i = 0; i < map->ns; i++) trace += phase[p].m[i][i] / map->ns;
+        for (int i = 0; i < map->ns; i++)
+            trace += phase[p].m[i][i] / map->ns;
         low_min = fmin(low_min, low);
         low_max = fmax(low_max, low);
         high_min = fmin(high_min, high);
@@ -119,10 +121,12 @@ static ph_status index_rve(ph_stiffness_map *map, const ph_microstructure *micro
 {
     ph_status st = PH_OK;
     ptrdiff_t cells = ph_grid_cells(&micro->grid);
-    for (ptrdiff_t x = 0; x < cells; x++) entry[x] = micro->phase[x];
+    for (ptrdiff_t x = 0; x < cells; x++)
+        entry[x] = micro->phase[x];
     int next = map->materials + 1;
     for (ptrdiff_t i = 0, j; composite && i < micro->ncuts; i = j) {
-        for (j = i + 1; j < micro->ncuts && micro->cuts[j].cell == micro->cuts[i].cell;) j++;
+        for (j = i + 1; j < micro->ncuts && micro->cuts[j].cell == micro->cuts[i].cell;)
+            j++;
         ph_sym4 c;
         PH_TRY(mix(&micro->cuts[i], j - i, phase, &c, err));
         store(map, next, &c);
@@ -134,8 +138,8 @@ out:
 }
 
 ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
-                                 const ptrdiff_t *source, ptrdiff_t cells, ph_meter *meter,
-                                 ph_stiffness_map **out, ph_error *err)
+                                 const ptrdiff_t *source, ptrdiff_t cells,
+                                 ph_meter *meter, ph_stiffness_map **out, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_stiffness_map *map = NULL;
@@ -160,7 +164,8 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
     }
     ph_sym4 nothing = {.n = map->ns};
     store(map, micro->nmaterials, &nothing);
-    for (ptrdiff_t x = 0; x < rve; x++) used[micro->phase[x]] = true;
+    for (ptrdiff_t x = 0; x < rve; x++)
+        used[micro->phase[x]] = true;
     for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
         used[micro->cuts[i].material] = true;
         if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
@@ -169,9 +174,9 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
     PH_TRY(index_rve(map, micro, composite, phase, entry, err));
     for (ptrdiff_t x = 0; x < cells; x++) {
         ptrdiff_t from = source ? source[x] : x;
-        map->index[x] = from >= 0                 ? entry[from]
+        map->index[x] = from >= 0                ? entry[from]
                         : from == PH_SOURCE_VOID ? micro->nmaterials
-                                                  : (int32_t)(-2 - from);
+                                                 : (int32_t)(-2 - from);
     }
     *out = map;
     map = NULL;

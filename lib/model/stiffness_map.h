@@ -20,7 +20,7 @@ typedef struct ph_stiffness_map {
     bool has_void;
     double contrast; /* of the phases; 1: homogeneous; voids not counted */
     double softest;  /* trace / ns of the softest solid phase */
-    ph_sym4 middle;  /* mean of the stiffest and the softest solid: the reference medium */
+    ph_sym4 middle; /* mean of the stiffest and the softest solid: the reference medium */
 } ph_stiffness_map;
 
 enum { PH_SOURCE_VOID = -1 }; /* other negatives: -2 - material */
@@ -29,8 +29,8 @@ enum { PH_SOURCE_VOID = -1 }; /* other negatives: -2 - material */
  *  @param[in] source [cells] which cell of the RVE stands in each cell of the box, or
  *             PH_SOURCE_VOID, or -2 - material; NULL: the box is the RVE */
 ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
-                                 const ptrdiff_t *source, ptrdiff_t cells, ph_meter *meter,
-                                 ph_stiffness_map **out, ph_error *err);
+                                 const ptrdiff_t *source, ptrdiff_t cells,
+                                 ph_meter *meter, ph_stiffness_map **out, ph_error *err);
 void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
 
 /* s = C e for one cell. */
@@ -41,7 +41,8 @@ static inline void ph_i_hooke(const ph_stiffness_map *map, int entry, const doub
     const double *c = map->c + (ptrdiff_t)entry * n * n;
     for (int i = 0; i < n; i++) {
         s[i] = 0.0;
-        for (int j = 0; j < n; j++) s[i] += c[i * n + j] * e[j];
+        for (int j = 0; j < n; j++)
+            s[i] += c[i * n + j] * e[j];
     }
 }
 

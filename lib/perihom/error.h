@@ -50,7 +50,10 @@ typedef struct ph_error {
     char msg[512];
 } ph_error;
 
-#define PH_ERROR_INIT {PH_OK, NULL, 0, 0, 0.0, ""}
+#define PH_ERROR_INIT                                                                    \
+    {                                                                                    \
+        PH_OK, NULL, 0, 0, 0.0, ""                                                       \
+    }
 
 /** Text of a status, e.g. "not converged"; never NULL. */
 PH_API const char *ph_status_text(ph_status status);

@@ -31,8 +31,8 @@ typedef enum ph_inclusion_shape {
  *  @return PH_OK; PH_EINVAL (shape in the plane, aspect); PH_ESINGULAR.
  *  Cost: O(1) isotropic or laminate, 0.1 ms cylinder, 1 to 10 ms anisotropic spheroid.
  *  Ref: [Eshelby1957], [Willis1977], [Mura1987] ch. 2. Tested: tests/cross/test_eshelby.c */
-PH_API ph_status ph_hill_tensor(const ph_sym4 *c0, ph_inclusion_shape shape, double aspect,
-                                ph_sym4 *p, ph_error *err);
+PH_API ph_status ph_hill_tensor(const ph_sym4 *c0, ph_inclusion_shape shape,
+                                double aspect, ph_sym4 *p, ph_error *err);
 /** The same, always by quadrature over directions, which also serves as a check.
  *  Relative error about 1e-10 for aspect 1e-3 to 1e3 and moderate anisotropy. */
 PH_API ph_status ph_hill_tensor_quadrature(const ph_sym4 *c0, ph_inclusion_shape shape,
@@ -52,7 +52,11 @@ typedef struct ph_composite {
     ph_kinematics kinematics;    /* which tensor is wanted */
 } ph_composite;
 
-typedef enum ph_estimate_kind { PH_BOUND_LOWER, PH_BOUND_UPPER, PH_POINT_ESTIMATE } ph_estimate_kind;
+typedef enum ph_estimate_kind {
+    PH_BOUND_LOWER,
+    PH_BOUND_UPPER,
+    PH_POINT_ESTIMATE
+} ph_estimate_kind;
 
 /** An analytic bound or estimate. */
 typedef struct ph_estimate_method {

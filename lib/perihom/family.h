@@ -43,17 +43,17 @@ typedef enum ph_points {
  *  volume V cancels in g. Axes with one cell carry no bonds: fields do not vary there. */
 typedef struct ph_family {
     ph_points points;
-    double horizon;     /* delta, a length */
-    bool active[3];     /* axes with more than one cell */
-    int reach[3];       /* largest |offset| per axis */
-    ptrdiff_t count;    /* of bonds, the centre not among them */
-    int (*offset)[3];   /* [count] index offsets of the nodes; stress points: base corner */
-    double (*xi)[3];    /* [count] bond vectors from the point, lengths */
-    double *w;          /* [count] omega * beta */
-    double (*g)[3];     /* [count] gradient weights, 1/length */
-    double g0[3];       /* weight of the centre node (nodes; zero by symmetry) */
-    double K[3][3];     /* shape tensor without V */
-    double weight;      /* sum_b w_b */
+    double horizon;   /* delta, a length */
+    bool active[3];   /* axes with more than one cell */
+    int reach[3];     /* largest |offset| per axis */
+    ptrdiff_t count;  /* of bonds, the centre not among them */
+    int (*offset)[3]; /* [count] index offsets of the nodes; stress points: base corner */
+    double (*xi)[3];  /* [count] bond vectors from the point, lengths */
+    double *w;        /* [count] omega * beta */
+    double (*g)[3];   /* [count] gradient weights, 1/length */
+    double g0[3];     /* weight of the centre node (nodes; zero by symmetry) */
+    double K[3][3];   /* shape tensor without V */
+    double weight;    /* sum_b w_b */
 } ph_family;
 
 /** Build the family of a grid.

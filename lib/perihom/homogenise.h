@@ -15,13 +15,16 @@ typedef enum ph_stabilisation {
     PH_STABILISE_NONE
 } ph_stabilisation;
 
-typedef enum ph_interface { PH_INTERFACE_COMPOSITE, PH_INTERFACE_NODE_CENTRE } ph_interface;
+typedef enum ph_interface {
+    PH_INTERFACE_COMPOSITE,
+    PH_INTERFACE_NODE_CENTRE
+} ph_interface;
 
 /** What a bond does, and where. Zeroed: all defaults. */
 typedef struct ph_model_params {
-    const char *kind;       /* in ph_models[]: "nosb" (NULL), "local" */
-    ph_points points;       /* of nosb */
-    double horizon;         /* 0: default (2 spacings for nodes, smallest for stress points) */
+    const char *kind; /* in ph_models[]: "nosb" (NULL), "local" */
+    ph_points points; /* of nosb */
+    double horizon;   /* 0: default (2 spacings for nodes, smallest for stress points) */
     bool horizon_is_length; /* else in spacings of the first axis */
     const char *influence;  /* in ph_influences[]; NULL: "constant" */
     const char *weights;    /* in ph_volume_weights[]; NULL: "linear" */
@@ -38,7 +41,7 @@ typedef struct ph_solver_params {
 
 /** Where linear_displacement has its boundary volume, two horizons thick. */
 typedef enum ph_collar {
-    PH_COLLAR_INSIDE,   /* one horizon of it inside the RVE, whose averages are then exact */
+    PH_COLLAR_INSIDE, /* one horizon of it inside the RVE, whose averages are then exact */
     PH_COLLAR_PERIODIC, /* all outside, filled by the periodic continuation */
     PH_COLLAR_MATRIX    /* all outside, filled by collar_material */
 } ph_collar;
@@ -60,17 +63,18 @@ typedef struct ph_problem {
     bool keep_fields; /* keep displacement, strain, stress of each load */
 } ph_problem;
 
-/** The fields of one load case on the RVE, component first: [component][cell].
+/** The fields of one load case on the RVE, component first: [component][cell], for one unit
+ *  of the load's Voigt component (engineering strain; uniform_traction: stress).
  *  Displacement is the total one, eps_bar x + fluctuation, at the cell centres (nodes) or at
  *  the lower corners of the cells (stress points, local). Strain and stress: Voigt order,
  *  engineering shear. */
 typedef struct ph_fields {
     int load;
     double macro_strain[6]; /* eps_bar of the load, Voigt order, engineering shear */
-    int nu, ns;           /* components of displacement, strain */
-    double *displacement; /* [nu][cells] */
-    double *strain;       /* [ns][cells] */
-    double *stress;       /* [ns][cells] */
+    int nu, ns;             /* components of displacement, strain */
+    double *displacement;   /* [nu][cells] */
+    double *strain;         /* [ns][cells] */
+    double *stress;         /* [ns][cells] */
 } ph_fields;
 
 #define PH_MAX_NOTES 16

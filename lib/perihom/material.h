@@ -25,7 +25,8 @@ PH_API ph_status ph_material_isotropic(const char *name, double E, double nu,
 /** Anisotropic phase. @param voigt stiffness, engineering shear, row-major [6 x 6, stress,
  *  symmetric positive definite]; R rotation (row-major 3 x 3) applied to it, or NULL. */
 PH_API ph_status ph_material_anisotropic(const char *name, const double voigt[36],
-                                         const double *R, ph_material *out, ph_error *err);
+                                         const double *R, ph_material *out,
+                                         ph_error *err);
 /** A hole: zero stiffness. */
 PH_API ph_material ph_material_void(const char *name);
 

@@ -31,10 +31,10 @@ PH_API ptrdiff_t ph_grid_cells(const ph_grid *grid);
  *  with fractions f_1 .. f_n, cut k is left with the share f_k (1-f_k+1) ... (1-f_n). */
 typedef struct ph_cut {
     ptrdiff_t cell;
-    int base;          /* material under the first cut of this cell; later cuts: -1 */
-    int material;      /* the material that the cut brings in */
-    double fraction;   /* 0 < fraction < 1 */
-    double normal[3];  /* unit; 2D: third entry 0 */
+    int base;         /* material under the first cut of this cell; later cuts: -1 */
+    int material;     /* the material that the cut brings in */
+    double fraction;  /* 0 < fraction < 1 */
+    double normal[3]; /* unit; 2D: third entry 0 */
 } ph_cut;
 
 /** Which material is where. Owns its arrays. */
@@ -42,9 +42,9 @@ typedef struct ph_microstructure {
     ph_grid grid;
     int nmaterials;
     ph_material *materials;
-    uint16_t *phase;   /* [cells] material at the cell's centre */
+    uint16_t *phase; /* [cells] material at the cell's centre */
     ptrdiff_t ncuts;
-    ph_cut *cuts;      /* sorted by cell, then painting order; empty for node_centre */
+    ph_cut *cuts; /* sorted by cell, then painting order; empty for node_centre */
 } ph_microstructure;
 
 /** A box of material 0 everywhere. Copies `materials`. */

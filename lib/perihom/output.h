@@ -42,17 +42,18 @@ PH_API ph_status ph_write_file(const char *path, const char *text, size_t length
  *  @return PH_OK; PH_EINVAL (grids differ); PH_EIO; PH_ENOMEM. HDF5 is not thread-safe: one
  *          call at a time. Memory: two scalar fields. Tested: tests/io/test_fields.c */
 PH_API ph_status ph_write_fields(const char *base, const ph_microstructure *micro,
-                                 const ph_result *result, const ph_case *c, ph_error *err);
+                                 const ph_result *result, const ph_case *c,
+                                 ph_error *err);
 
 /** What ph_write_fields wrote, in memory again. Owns its arrays. */
 typedef struct ph_fields_file {
     char title[256];
     char unit_length[32], unit_stress[32];
-    char git[64];            /* revision that wrote the file */
+    char git[64]; /* revision that wrote the file */
     ph_microstructure *micro;
-    unsigned loads;          /* bit a: the file has the fields of load a */
+    unsigned loads; /* bit a: the file has the fields of load a */
     int nfields;
-    ph_fields *fields;       /* [nfields], those that were asked for */
+    ph_fields *fields; /* [nfields], those that were asked for */
 } ph_fields_file;
 
 /** Read a fields file. @param[in] loads bit a: read the fields of load a; ~0u: all.

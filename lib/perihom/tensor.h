@@ -81,8 +81,8 @@ PH_API ph_status ph_sym4_laminate(const ph_sym4 *c1, const ph_sym4 *c2, double f
 /** Engineering constants of an elastic tensor; those a 2D tensor lacks are NaN.
  *  nuij = - strain along j over strain along i under uniaxial stress along i. */
 typedef struct ph_engineering {
-    double E[3];         /* E1 E2 E3 */
-    double nu[3][3];     /* nu[i][j], diagonal unused */
+    double E[3];     /* E1 E2 E3 */
+    double nu[3][3]; /* nu[i][j], diagonal unused */
     double G23, G13, G12;
 } ph_engineering;
 

@@ -4,21 +4,22 @@
 #include <math.h>
 #include <string.h>
 
-static bool told_to_stop(const ph_cg_report *rep)
+bool ph_i_told_to_stop(const ph_cg_report *rep)
 {
     if (!rep->ctx || !rep->ctx->progress) return false;
-    ph_progress now = {"solve", rep->load, rep->loads, rep->iterations, rep->residual,
-                       rep->tolerance};
+    ph_progress now = {"solve",         rep->load,     rep->loads,
+                       rep->iterations, rep->residual, rep->tolerance};
     return !rep->ctx->progress(rep->ctx->user, &now);
 }
 
-static ph_status give_up(ph_status status, const ph_cg_report *rep, const char *why,
-                         ph_error *err)
+ph_status ph_i_give_up(ph_status status, const ph_cg_report *rep, const char *why,
+                       ph_error *err)
 {
-    ph_status st = PH_FAIL(err, status,
-                           "load %d: %s after %d iterations, relative residual %.3g "
-                           "(tolerance %.3g)",
-                           rep->load, why, rep->iterations, rep->residual, rep->tolerance);
+    ph_status st =
+        PH_FAIL(err, status,
+                "load %d: %s after %d iterations, relative residual %.3g "
+                "(tolerance %.3g)",
+                rep->load, why, rep->iterations, rep->residual, rep->tolerance);
     if (err) {
         err->iteration = rep->iterations;
         err->residual = rep->residual;
@@ -37,10 +38,11 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
     memset(p, 0, bytes);
     rep->iterations = 0;
     rep->residual = b2 > 0.0 ? 1.0 : 0.0;
-    if (!isfinite(b2)) return give_up(PH_ESINGULAR, rep, "the load is not finite", err);
+    if (!isfinite(b2))
+        return ph_i_give_up(PH_ESINGULAR, rep, "the load is not finite", err);
     while (rep->residual > rep->tolerance) {
         if (rep->iterations >= rep->max_iterations)
-            return give_up(PH_ENOCONV, rep, "not converged", err);
+            return ph_i_give_up(PH_ENOCONV, rep, "not converged", err);
         s->precondition(s->self, r, q); /* z lives in q until A p is there */
         double rz_new = ph_i_dot(space, r, q);
         ph_i_direction(space, rep->iterations ? rz_new / rz : 0.0, q, p);
@@ -48,12 +50,15 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
         s->apply(s->self, p, q);
         double pq = ph_i_dot(space, p, q);
         if (!(pq > 0.0) || !(rz > 0.0) || !isfinite(pq))
-            return give_up(PH_ESINGULAR, rep, "the system is singular for this load", err);
+            return ph_i_give_up(PH_ESINGULAR, rep, "the system is singular for this load",
+                                err);
         double r2 = ph_i_step(space, rz / pq, p, q, x, r);
         rep->iterations++;
         rep->residual = sqrt(r2 / b2);
-        if (!isfinite(r2)) return give_up(PH_ESINGULAR, rep, "the iteration overflowed", err);
-        if (told_to_stop(rep)) return give_up(PH_ECANCELLED, rep, "interrupted", err);
+        if (!isfinite(r2))
+            return ph_i_give_up(PH_ESINGULAR, rep, "the iteration overflowed", err);
+        if (ph_i_told_to_stop(rep))
+            return ph_i_give_up(PH_ECANCELLED, rep, "interrupted", err);
     }
     return PH_OK;
 }

@@ -23,6 +23,12 @@ typedef struct ph_cg_report {
     double residual; /* out: relative */
 } ph_cg_report;
 
+/** Tell the caller where the solver is; true if it is to stop. */
+bool ph_i_told_to_stop(const ph_cg_report *report);
+/** A failure with load, iterations and residual in the message and in `err`. */
+ph_status ph_i_give_up(ph_status status, const ph_cg_report *report, const char *why,
+                       ph_error *err);
+
 /** Solve A x = b from x = 0.
  *  @param[in,out] r  the right-hand side b; ends as the residual
  *  @param[out] x     solution, zeroed by the call

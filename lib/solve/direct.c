@@ -1,2 +1,288 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-typedef int ph_i_empty;
+/* The matrix of the bond lists, factorised once for all loads. What the equations leave
+ * open is held: a node (periodic), as many displacements as there are rigid motions (a free
+ * body), and every node without stiffness. The loads are in equilibrium, so that the forces
+ * on what is held are zero and the solution is one of the whole system, whose residual is
+ * taken with the operator itself. */
+#include "solve/factor.h"
+#include "solve/solver.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOTIONS = 6, STEPS = 40 };
+/* Below this the factor has pivots of round-off: pieces that float in voids, modes that
+ * the operator does not see. Then it is made of A + shift * diag A, and what the shift
+ * spoils is refined. */
+static const double singular = 1e-13, shift = 1e-9;
+
+typedef struct direct {
+    ph_operator *op;
+    ph_meter *meter;
+    const ph_setting *setting;
+    ph_factor *factor;
+    size_t factor_bytes;
+    int *unknown; /* [nd][nodes], or -1 */
+    int n;
+    double *x, *r, *q;  /* fields */
+    double *rhs, *step; /* [n] */
+} direct;
+
+static ptrdiff_t field_size(const direct *s)
+{
+    return s->op->layout.nd * s->op->layout.cells;
+}
+
+/* ---- what is held ---------------------------------------------------------------------- */
+
+/* Translations; of a free body its rotations too, in planes in which the fields vary. */
+static int rigid_motions(const direct *s, double *mode)
+{
+    const ph_grid *g = &s->setting->box;
+    int nd = s->op->layout.nd, count = 0;
+    ptrdiff_t n = g->n[0] * g->n[1] * g->n[2], size = nd * n;
+    bool body = s->setting->source != NULL;
+    for (int a = 0; a < nd; a++, count++)
+        for (ptrdiff_t x = 0; x < n; x++)
+            mode[count * size + a * n + x] = 1.0;
+    for (int a = 0; body && a < nd; a++)
+        for (int b = a + 1; b < nd; b++) {
+            if (g->n[a] == 1 || g->n[b] == 1) continue;
+            for (ptrdiff_t x = 0; x < n; x++) {
+                ptrdiff_t at[3] = {x / g->n[2] / g->n[1], x / g->n[2] % g->n[1],
+                                   x % g->n[2]};
+                double scale = fmax(g->size[a], g->size[b]);
+                mode[count * size + a * n + x] = -(double)at[b] * g->h[b] / scale;
+                mode[count * size + b * n + x] = (double)at[a] * g->h[a] / scale;
+            }
+            count++;
+        }
+    return count;
+}
+
+/* Hold the displacements that no rigid motion leaves at zero: elimination with complete
+ * pivoting over the modes. */
+static void hold_motions(direct *s, int count, double *mode)
+{
+    ptrdiff_t size = field_size(s);
+    bool done[MOTIONS] = {false};
+    for (int step = 0; step < count; step++) {
+        ptrdiff_t at = -1;
+        int from = 0;
+        double best = 1e-9;
+        for (int m = 0; m < count; m++)
+            for (ptrdiff_t i = 0; !done[m] && i < size; i++)
+                if (s->unknown[i] >= 0 && fabs(mode[m * size + i]) > best)
+                    best = fabs(mode[m * size + i]), at = i, from = m;
+        if (at < 0) return;
+        done[from] = true;
+        s->unknown[at] = -1;
+        for (int m = 0; m < count; m++) {
+            double f = mode[m * size + at] / mode[from * size + at];
+            if (done[m]) continue;
+            for (ptrdiff_t i = 0; i < size; i++)
+                mode[m * size + i] -= f * mode[from * size + i];
+        }
+    }
+}
+
+/* Number the displacements, node by node. */
+static ph_status number(direct *s, const ph_bondlist *list, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ptrdiff_t size = field_size(s), nodes = list->nodes;
+    const uint8_t *fixed = s->setting->fixed;
+    double *mode = NULL;
+    PH_ALLOC(s->unknown, size, "the unknowns");
+    PH_TRY(ph_i_bondlist_row_sums(list, s->r, err));
+    for (ptrdiff_t i = 0; i < size; i++)
+        s->unknown[i] = s->r[i] > 0.0 && !(fixed && fixed[i % nodes]) ? 0 : -1;
+    if (!fixed) {
+        PH_ALLOC(mode, MOTIONS * size, "the rigid motions");
+        hold_motions(s, rigid_motions(s, mode), mode);
+    }
+    for (ptrdiff_t x = 0; x < nodes; x++)
+        for (int a = 0; a < list->nd; a++)
+            if (s->unknown[a * nodes + x] >= 0) s->unknown[a * nodes + x] = s->n++;
+out:
+    free(mode);
+    return st;
+}
+
+/* ---- the factor ------------------------------------------------------------------------ */
+
+static ph_status factorise(direct *s, const ph_bondlist *list, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_csc m = {0};
+    ph_error first = PH_ERROR_INIT;
+    PH_TRY(ph_i_bondlist_matrix(list, s->unknown, s->n, &m, err));
+    st = ph_i_factor_new(&m, &s->factor, &first);
+    if (st == PH_ESINGULAR ||
+        (st == PH_OK && ph_i_factor_condition(s->factor) < singular)) {
+        ph_i_factor_free(&s->factor);
+        for (int j = 0; j < m.n; j++)
+            for (int p = m.start[j]; p < m.start[j + 1]; p++)
+                if (m.row[p] == j) m.value[p] *= 1.0 + shift;
+        st = ph_i_factor_new(&m, &s->factor, err);
+    } else if (st != PH_OK && err) {
+        *err = first;
+    }
+    if (st != PH_OK) goto out;
+    s->factor_bytes = ph_i_factor_bytes(s->factor);
+    s->meter->bytes += s->factor_bytes;
+    if (s->meter->bytes > s->meter->peak) s->meter->peak = s->meter->bytes;
+out:
+    ph_i_csc_clear(&m);
+    return st;
+}
+
+void ph_i_direct_free(void **state)
+{
+    direct *s = *state;
+    if (!s) return;
+    size_t size = (size_t)field_size(s);
+    s->meter->bytes -= s->factor_bytes;
+    ph_i_factor_free(&s->factor);
+    ph_i_doubles_free(s->meter, &s->x, size);
+    ph_i_doubles_free(s->meter, &s->r, size);
+    ph_i_doubles_free(s->meter, &s->q, size);
+    ph_i_doubles_free(s->meter, &s->rhs, (size_t)s->n);
+    ph_i_doubles_free(s->meter, &s->step, (size_t)s->n);
+    free(s->unknown);
+    free(s);
+    *state = NULL;
+}
+
+ph_status ph_i_direct_init(const ph_system *system, void **state, ph_error *err)
+{
+    ph_status st = PH_OK;
+    direct *s = NULL;
+    void *self = NULL;
+    ph_bondlist *own = NULL;
+    PH_ALLOC(s, 1, "the solver");
+    self = s;
+    s->op = system->op;
+    s->meter = system->meter;
+    s->setting = system->setting;
+    size_t size = (size_t)field_size(s);
+    PH_DOUBLES(s->x, s->meter, size, "the solution");
+    PH_DOUBLES(s->r, s->meter, size, "the residual");
+    PH_DOUBLES(s->q, s->meter, size, "the product");
+    PH_TRY(ph_i_operator_in_space(s->op, err));
+    const ph_bondlist *list = s->op->bonds;
+    if (!list) {
+        PH_TRY(ph_i_bondlist_new(&s->setting->box, s->op->map, system->params, s->meter,
+                                 &own, err));
+        list = own;
+    }
+    PH_TRY(number(s, list, err));
+    PH_DOUBLES(s->rhs, s->meter, (size_t)s->n, "the right-hand side");
+    PH_DOUBLES(s->step, s->meter, (size_t)s->n, "the correction");
+    PH_TRY(factorise(s, list, err));
+    *state = self;
+    self = NULL;
+out:
+    ph_i_bondlist_free(&own);
+    ph_i_direct_free(&self);
+    return st;
+}
+
+/* ---- a load ---------------------------------------------------------------------------- */
+
+/* Norm over what is not fixed by the constraint. */
+static double norm(const direct *s, const double *r)
+{
+    const uint8_t *fixed = s->setting->fixed;
+    ptrdiff_t cells = s->op->layout.cells;
+    double sum = 0.0;
+    for (ptrdiff_t i = 0; i < field_size(s); i++)
+        if (!fixed || !fixed[i % cells]) sum += r[i] * r[i];
+    return sqrt(sum);
+}
+
+static ph_status correct(direct *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ptrdiff_t size = field_size(s);
+    for (ptrdiff_t i = 0; i < size; i++)
+        if (s->unknown[i] >= 0) s->rhs[s->unknown[i]] = s->r[i];
+    PH_TRY(ph_i_factor_solve(s->factor, s->rhs, s->step, err));
+    for (ptrdiff_t i = 0; i < size; i++)
+        if (s->unknown[i] >= 0) s->x[i] += s->step[s->unknown[i]];
+out:
+    return st;
+}
+
+/* Mean displacement to zero, where nothing says what it is. Nodes without stiffness stay. */
+static void centre(const direct *s, double *u)
+{
+    ptrdiff_t cells = s->op->layout.cells;
+    for (int a = 0; a < s->op->layout.nd && !s->setting->fixed; a++) {
+        double sum = 0.0;
+        for (ptrdiff_t x = 0; x < cells; x++)
+            sum += u[a * cells + x];
+        for (ptrdiff_t x = 0; x < cells; x++)
+            u[a * cells + x] -= sum / (double)cells;
+    }
+}
+
+ph_status ph_i_direct_solve(void *state, const double *load, double *u,
+                            ph_cg_report *report, ph_error *err)
+{
+    ph_status st = PH_OK;
+    direct *s = state;
+    ptrdiff_t size = field_size(s);
+    double *b = s->q, before = INFINITY;
+    memcpy(s->r, load, sizeof(double) * (size_t)size);
+    memset(s->x, 0, sizeof(double) * (size_t)size);
+    double *keep = NULL;
+    PH_ALLOC(keep, size, "the load");
+    memcpy(keep, load, sizeof(double) * (size_t)size);
+    double b2 = norm(s, s->r);
+    report->iterations = 0;
+    report->residual = b2 > 0.0 ? 1.0 : 0.0;
+    while (report->residual > report->tolerance && report->iterations < STEPS) {
+        PH_TRY(correct(s, err));
+        ph_i_operator_apply(s->op, s->x, b);
+        for (ptrdiff_t i = 0; i < size; i++)
+            s->r[i] = keep[i] - b[i];
+        before = report->residual;
+        report->residual = norm(s, s->r) / b2;
+        report->iterations++;
+        if (ph_i_told_to_stop(report)) {
+            st = ph_i_give_up(PH_ECANCELLED, report, "interrupted", err);
+            goto out;
+        }
+        if (!(report->residual < 0.9 * before)) break; /* as far as it goes */
+    }
+    memcpy(u, s->x, sizeof(double) * (size_t)size);
+    centre(s, u);
+    if (!(report->residual <= report->tolerance))
+        st = ph_i_give_up(isfinite(report->residual) ? PH_ENOCONV : PH_ESINGULAR, report,
+                          "the direct solution does not meet the tolerance", err);
+out:
+    free(keep);
+    return st;
+}
+
+/* Entries of the matrix, from above: a row couples with all that a common point sees. */
+static double entries(const ph_system *system)
+{
+    const ph_grid *g = &system->setting->box;
+    const ph_family *fam = system->params->family;
+    int nd = system->op->layout.nd;
+    double row = 0.5 * nd * nd;
+    for (int d = 0; d < 3; d++) {
+        double span = !fam || system->params->smallest ? 3.0 : 4.0 * fam->reach[d] + 1.0;
+        row *= (double)g->n[d] * fmin(span, (double)g->n[d]);
+    }
+    return row;
+}
+
+const char *ph_i_direct_refuses(const ph_system *system)
+{
+    return entries(system) > (double)PH_MATRIX_MOST
+               ? "its matrix would have more than 2e8 entries; take fft_cg"
+               : NULL;
+}

@@ -85,6 +85,7 @@ ph_status ph_i_fft_cg_init(const ph_system *system, void **state, ph_error *err)
     PH_DOUBLES(s->r, s->meter, n, "the residual");
     PH_DOUBLES(s->p, s->meter, n, "the direction");
     PH_DOUBLES(s->q, s->meter, n, "the product");
+    if (s->fixed) PH_TRY(ph_i_operator_in_space(s->op, err));
     if (s->fixed)
         PH_DOUBLES(s->hat, s->meter, (size_t)(2 * s->op->layout.nd * s->op->modes),
                    "the transformed residual");

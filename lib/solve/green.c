@@ -8,7 +8,10 @@
  * operator does not see (hourglass without stabilisation): left alone. */
 static const double blind = 1e-12;
 
-static int packed_size(int nd) { return nd * (nd + 1) / 2; }
+static int packed_size(int nd)
+{
+    return nd * (nd + 1) / 2;
+}
 
 /* Pseudo-inverse of a symmetric matrix by Jacobi rotations. a: n x n, destroyed. */
 static void pseudo_inverse(int n, double a[3][3], double least, double inv[3][3])
@@ -19,7 +22,8 @@ static void pseudo_inverse(int n, double a[3][3], double least, double inv[3][3]
             for (int q = p + 1; q < n; q++) {
                 if (fabs(a[p][q]) <= 1e-300) continue;
                 double theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
-                double t = copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
+                double t =
+                    copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
                 double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
                 for (int k = 0; k < n; k++) {
                     double x = a[k][p], y = a[k][q];
@@ -33,12 +37,14 @@ static void pseudo_inverse(int n, double a[3][3], double least, double inv[3][3]
                 }
             }
     double top = least;
-    for (int i = 0; i < n; i++) top = fmax(top, fabs(a[i][i]));
+    for (int i = 0; i < n; i++)
+        top = fmax(top, fabs(a[i][i]));
     memset(inv, 0, sizeof(double) * 9);
     for (int i = 0; i < n; i++) {
         if (a[i][i] <= blind * top) continue;
         for (int r = 0; r < n; r++)
-            for (int c = 0; c < n; c++) inv[r][c] += v[r][i] * v[c][i] / a[i][i];
+            for (int c = 0; c < n; c++)
+                inv[r][c] += v[r][i] * v[c][i] / a[i][i];
     }
 }
 
@@ -66,7 +72,8 @@ static bool plain_inverse(int n, double a[3][3], double inv[3][3])
     double det = a[0][0] * c[0][0] + a[0][1] * c[0][1] + a[0][2] * c[0][2];
     if (!(det > 1e-8 * top * top * top)) return false;
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) inv[i][j] = c[j][i] / det;
+        for (int j = 0; j < 3; j++)
+            inv[i][j] = c[j][i] / det;
     return true;
 }
 
@@ -94,12 +101,14 @@ ph_status ph_i_green_init(ph_green *g, ph_operator *op, const ph_sym4 *C0, ph_er
                "the preconditioner");
     PH_TRY(ph_i_operator_symbol(op, C0, g->inverse, err));
     double top = 0.0;
-    for (ptrdiff_t k = 0; k < g->nd * g->modes; k++) top = fmax(top, g->inverse[k]);
+    for (ptrdiff_t k = 0; k < g->nd * g->modes; k++)
+        top = fmax(top, g->inverse[k]);
     PH_CHECK(isfinite(top), PH_ESINGULAR, "the reference medium is not finite");
 #pragma omp parallel for num_threads(g->threads) schedule(static)
     for (ptrdiff_t k = 1; k < g->modes; k++)
         invert_mode(g->inverse, g->nd, g->modes, k, top);
-    for (int i = 0; i < packed_size(g->nd); i++) g->inverse[i * g->modes] = 0.0;
+    for (int i = 0; i < packed_size(g->nd); i++)
+        g->inverse[i * g->modes] = 0.0;
 out:
     return st;
 }
@@ -112,9 +121,18 @@ void ph_i_green_clear(ph_green *g, ph_meter *meter)
 /* One real factor for the two parts of each complex number: two modes at a time. */
 typedef double pair4 __attribute__((vector_size(32), aligned(8), may_alias));
 
-static inline pair4 twice(const double *a) { return (pair4){a[0], a[0], a[1], a[1]}; }
-static inline pair4 load4(const double *a) { return *(const pair4 *)a; }
-static inline void store4(double *a, pair4 v) { *(pair4 *)a = v; }
+static inline pair4 twice(const double *a)
+{
+    return (pair4){a[0], a[0], a[1], a[1]};
+}
+static inline pair4 load4(const double *a)
+{
+    return *(const pair4 *)a;
+}
+static inline void store4(double *a, pair4 v)
+{
+    *(pair4 *)a = v;
+}
 
 static void apply_one(const ph_green *g, ptrdiff_t k, const double *r, double *z)
 {
@@ -125,7 +143,8 @@ static void apply_one(const ph_green *g, ptrdiff_t k, const double *r, double *z
             for (int j = 0; j < g->nd; j++)
                 v[i] += g->inverse[(g->nd == 3 ? place3[i][j] : place2[i][j]) * n + k] *
                         r[2 * (j * n + k) + part];
-        for (int i = 0; i < g->nd; i++) z[2 * (i * n + k) + part] = v[i];
+        for (int i = 0; i < g->nd; i++)
+            z[2 * (i * n + k) + part] = v[i];
     }
 }
 
@@ -150,6 +169,7 @@ static inline void apply_pair(const ph_green *g, ptrdiff_t k, const double *r, d
 void ph_i_green_apply(const ph_green *g, const double *r, double *z)
 {
 #pragma omp parallel for num_threads(g->threads) schedule(static)
-    for (ptrdiff_t k = 0; k < g->modes / 2; k++) apply_pair(g, 2 * k, r, z);
+    for (ptrdiff_t k = 0; k < g->modes / 2; k++)
+        apply_pair(g, 2 * k, r, z);
     if (g->modes % 2) apply_one(g, g->modes - 1, r, z);
 }

@@ -23,11 +23,13 @@ void ph_i_space_clear(ph_space *space)
 }
 
 /* Sum of a half spectrum over the whole: twice, but for the columns that stand alone. */
-static double plane_dot(const ph_space *s, const double *restrict a, const double *restrict b)
+static double plane_dot(const ph_space *s, const double *restrict a,
+                        const double *restrict b)
 {
     double sum = 0.0, own = 0.0;
 #pragma omp simd reduction(+ : sum)
-    for (ptrdiff_t k = 0; k < s->plane; k++) sum += a[k] * b[k];
+    for (ptrdiff_t k = 0; k < s->plane; k++)
+        sum += a[k] * b[k];
     if (!s->row) return sum;
     for (ptrdiff_t k = 0; k < s->plane; k += s->row) {
         own += a[k] * b[k] + a[k + 1] * b[k + 1];
@@ -42,7 +44,8 @@ static double plane_dot(const ph_space *s, const double *restrict a, const doubl
 static double in_order(const ph_space *s)
 {
     double sum = 0.0;
-    for (ptrdiff_t i = 0; i < s->planes; i++) sum += s->partial[i];
+    for (ptrdiff_t i = 0; i < s->planes; i++)
+        sum += s->partial[i];
     return sum;
 }
 
@@ -75,5 +78,6 @@ void ph_i_direction(const ph_space *s, double beta, const double *z, double *p)
 {
     ptrdiff_t n = s->planes * s->plane;
 #pragma omp parallel for simd num_threads(s->threads) schedule(static)
-    for (ptrdiff_t k = 0; k < n; k++) p[k] = z[k] + beta * p[k];
+    for (ptrdiff_t k = 0; k < n; k++)
+        p[k] = z[k] + beta * p[k];
 }

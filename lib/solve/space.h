@@ -14,7 +14,7 @@ typedef struct ph_space {
     ptrdiff_t row;    /* doubles per row of a half spectrum; 0: real space */
     bool nyquist;     /* the last column of a row stands for itself */
     int threads;
-    double *partial;  /* [2][planes] */
+    double *partial; /* [2][planes] */
 } ph_space;
 
 ph_status ph_i_space_init(ph_space *space, const ph_layout *layout, const ph_fft *fft,

@@ -27,8 +27,9 @@ static double bond_weight(const ph_family *f, const double h[3], const double xi
 {
     double r = sqrt(xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2]);
     if (r == 0.0) return 0.0;
-    double beta = f->points == PH_POINTS_STRESS ? (double)(r <= f->horizon * (1.0 + 1e-9))
-                                                : weight->eval(xi, h, f->active, f->horizon);
+    double beta = f->points == PH_POINTS_STRESS
+                      ? (double)(r <= f->horizon * (1.0 + 1e-9))
+                      : weight->eval(xi, h, f->active, f->horizon);
     if (beta <= 0.0) return 0.0;
     double w = influence->eval(r / f->horizon) * beta;
     return w > smallest_weight ? w : 0.0;
@@ -51,7 +52,8 @@ static ptrdiff_t scan(ph_family *f, const double h[3], const ph_influence *influ
             for (int k = low[2]; k <= high[2]; k++) {
                 int o[3] = {i, j, k};
                 double xi[3];
-                for (int d = 0; d < 3; d++) xi[d] = f->active[d] ? (o[d] - shift) * h[d] : 0.0;
+                for (int d = 0; d < 3; d++)
+                    xi[d] = f->active[d] ? (o[d] - shift) * h[d] : 0.0;
                 double w = bond_weight(f, h, xi, influence, weight);
                 if (w == 0.0) continue;
                 if (fill) {
@@ -100,24 +102,28 @@ static ph_status weigh(ph_family *f, ph_error *err)
     f->weight = 0.0;
     for (ptrdiff_t b = 0; b < f->count; b++) {
         f->weight += f->w[b];
-        for (int d = 0; d < 3; d++) mean[d] += f->w[b] * f->xi[b][d];
+        for (int d = 0; d < 3; d++)
+            mean[d] += f->w[b] * f->xi[b][d];
     }
-    for (int d = 0; d < 3; d++) mean[d] /= f->weight;
+    for (int d = 0; d < 3; d++)
+        mean[d] /= f->weight;
     /* Stress points have no node at the centre: bonds are measured from the mean, so that
      * linear fields stay exact. Nodes: the family is symmetric, the mean is the node. */
     for (ptrdiff_t b = 0; b < f->count; b++)
         for (int d = 0; d < 3; d++) {
             if (f->points == PH_POINTS_STRESS) f->xi[b][d] -= mean[d];
-            f->reach[d] = abs(f->offset[b][d]) > f->reach[d] ? abs(f->offset[b][d])
-                                                             : f->reach[d];
+            f->reach[d] =
+                abs(f->offset[b][d]) > f->reach[d] ? abs(f->offset[b][d]) : f->reach[d];
         }
     for (ptrdiff_t b = 0; b < f->count; b++)
         for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) f->K[i][j] += f->w[b] * f->xi[b][i] * f->xi[b][j];
+            for (int j = 0; j < 3; j++)
+                f->K[i][j] += f->w[b] * f->xi[b][i] * f->xi[b][j];
     PH_TRY(invert_shape(f, inv, err));
     for (ptrdiff_t b = 0; b < f->count; b++)
         for (int i = 0; i < 3; i++) {
-            for (int j = 0; j < 3; j++) f->g[b][i] += f->w[b] * inv[i][j] * f->xi[b][j];
+            for (int j = 0; j < 3; j++)
+                f->g[b][i] += f->w[b] * inv[i][j] * f->xi[b][j];
             f->g0[i] -= f->g[b][i];
         }
     if (f->points == PH_POINTS_STRESS) memset(f->g0, 0, sizeof f->g0);
@@ -158,9 +164,9 @@ ph_status ph_family_new(const ph_grid *grid, ph_points points, double horizon,
     PH_ALLOC(f, 1, "a family");
     f->points = points == PH_POINTS_STRESS ? PH_POINTS_STRESS : PH_POINTS_NODES;
     f->horizon = horizon;
-    for (int d = 0; d < 3; d++) f->active[d] = grid->n[d] > 1;
-    if (f->active[0] || f->active[1] || f->active[2])
-        PH_TRY(check_reach(grid, f, err));
+    for (int d = 0; d < 3; d++)
+        f->active[d] = grid->n[d] > 1;
+    if (f->active[0] || f->active[1] || f->active[2]) PH_TRY(check_reach(grid, f, err));
     f->count = scan(f, grid->h, influence, weight, false);
     PH_ALLOC(f->offset, f->count, "bond offsets");
     PH_ALLOC(f->xi, f->count, "bonds");

@@ -12,21 +12,22 @@ static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
 enum { COLUMNS = 16 }; /* columns of a 2D grid transformed at once along axis 0 */
 
 struct ph_fft {
-    ptrdiff_t n[3], row, modes, plane; /* row: complex per line; plane: complex per plane */
+    ptrdiff_t n[3], row, modes,
+        plane; /* row: complex per line; plane: complex per plane */
     int threads;
     long count;
     fftw_plan plane_forward, plane_backward; /* axes 1 and 2 of one plane */
     ptrdiff_t block, blocks;                 /* columns per outer transform */
-    fftw_plan outer[2][2];                   /* [forward, backward][in place, out of place] */
-    fftw_plan rest[2][2];                    /* the last block, if it is narrower */
+    fftw_plan outer[2][2]; /* [forward, backward][in place, out of place] */
+    fftw_plan rest[2][2];  /* the last block, if it is narrower */
 };
 
 static fftw_plan plan_outer(const ph_fft *f, ptrdiff_t howmany, int sign, double *a,
                             double *b)
 {
     int n[1] = {(int)f->n[0]};
-    return fftw_plan_many_dft(1, n, (int)howmany, (fftw_complex *)a, NULL, (int)f->plane, 1,
-                              (fftw_complex *)b, NULL, (int)f->plane, 1, sign,
+    return fftw_plan_many_dft(1, n, (int)howmany, (fftw_complex *)a, NULL, (int)f->plane,
+                              1, (fftw_complex *)b, NULL, (int)f->plane, 1, sign,
                               FFTW_ESTIMATE);
 }
 
@@ -62,7 +63,8 @@ ph_status ph_i_fft_new(const ph_layout *layout, int threads, ph_fft **out, ph_er
     double *real = NULL, *a = NULL, *b = NULL;
     *out = NULL;
     PH_ALLOC(f, 1, "transform plans");
-    for (int d = 0; d < 3; d++) f->n[d] = layout->n[d];
+    for (int d = 0; d < 3; d++)
+        f->n[d] = layout->n[d];
     f->row = f->n[2] / 2 + 1;
     f->plane = f->n[1] * f->row;
     f->modes = f->n[0] * f->plane;
@@ -109,9 +111,18 @@ void ph_i_fft_free(ph_fft **fft)
     *fft = NULL;
 }
 
-ptrdiff_t ph_i_fft_modes(const ph_fft *fft) { return fft->modes; }
-ptrdiff_t ph_i_fft_row(const ph_fft *fft) { return fft->row; }
-long ph_i_fft_count(const ph_fft *fft) { return fft->count; }
+ptrdiff_t ph_i_fft_modes(const ph_fft *fft)
+{
+    return fft->modes;
+}
+ptrdiff_t ph_i_fft_row(const ph_fft *fft)
+{
+    return fft->row;
+}
+long ph_i_fft_count(const ph_fft *fft)
+{
+    return fft->count;
+}
 
 /* Along axis 0, from `a` to `b` (which may be the same). */
 static void outer_pass(ph_fft *f, int backward, double *a, double *b)

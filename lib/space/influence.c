@@ -10,11 +10,26 @@ static double constant(double q)
     (void)q;
     return 1.0;
 }
-static double conical(double q) { return q < 1.0 ? 1.0 - q : 0.0; }
-static double gaussian(double q) { return exp(-q * q); }
-static double inverse(double q) { return 1.0 / q; }
-static double inverse_square(double q) { return 1.0 / (q * q); }
-static double cubic(double q) { return q < 1.0 ? 1.0 - 3.0 * q * q + 2.0 * q * q * q : 0.0; }
+static double conical(double q)
+{
+    return q < 1.0 ? 1.0 - q : 0.0;
+}
+static double gaussian(double q)
+{
+    return exp(-q * q);
+}
+static double inverse(double q)
+{
+    return 1.0 / q;
+}
+static double inverse_square(double q)
+{
+    return 1.0 / (q * q);
+}
+static double cubic(double q)
+{
+    return q < 1.0 ? 1.0 - 3.0 * q * q + 2.0 * q * q * q : 0.0;
+}
 
 const ph_influence ph_influences[] = {
     {{"constant", "omega = 1", "Silling2007", "always"}, constant},

@@ -9,8 +9,8 @@
 
 typedef struct ph_layout {
     ptrdiff_t n[3]; /* loop lengths */
-    int axis[3];    /* direction 0..2 that a loop walks along, -1 for a dummy of length 1 */
-    double h[3];    /* spacing along it; 1 for a dummy */
+    int axis[3]; /* direction 0..2 that a loop walks along, -1 for a dummy of length 1 */
+    double h[3]; /* spacing along it; 1 for a dummy */
     ptrdiff_t cells;
     int nd, ns; /* displacement and strain components */
 } ph_layout;

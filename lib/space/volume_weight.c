@@ -99,11 +99,13 @@ static double exact(const double xi[3], const double h[3], const bool active[3],
 }
 
 const ph_volume_weight ph_volume_weights[] = {
-    {{"linear", "1 to delta - h/2, then linear to 0 at delta + h/2", "Parks2008", "always"},
+    {{"linear", "1 to delta - h/2, then linear to 0 at delta + h/2", "Parks2008",
+      "always"},
      linear},
     {{"exact", "share of the cell inside the ball of radius delta", "Seleson2014",
       "always"},
      exact},
-    {{"none", "1 where the cell's centre lies within delta", "Silling2005", "always"}, none},
+    {{"none", "1 where the cell's centre lies within delta", "Silling2005", "always"},
+     none},
 };
 const size_t ph_nvolume_weights = sizeof ph_volume_weights / sizeof *ph_volume_weights;

@@ -23,13 +23,15 @@ static inline ph_microstructure *sample_micro(ph_kinematics kin)
     ph_material material[3];
     ph_microstructure *micro = NULL;
     assert_int_equal(ph_grid_init(&grid, kin, n, size, &err), PH_OK);
-    assert_int_equal(ph_material_isotropic("matrix", 2.385, 0.31, &material[0], &err), PH_OK);
+    assert_int_equal(ph_material_isotropic("matrix", 2.385, 0.31, &material[0], &err),
+                     PH_OK);
     assert_int_equal(ph_material_isotropic("fibre <1>", 71.3, 0.22, &material[1], &err),
                      PH_OK);
     material[2] = ph_material_void("hole");
     assert_int_equal(ph_microstructure_new(&grid, 3, material, &micro, &err), PH_OK);
     ptrdiff_t cells = ph_grid_cells(&grid);
-    for (ptrdiff_t x = 0; x < cells; x++) micro->phase[x] = (uint16_t)(x * x % 7 % 3);
+    for (ptrdiff_t x = 0; x < cells; x++)
+        micro->phase[x] = (uint16_t)(x * x % 7 % 3);
     micro->ncuts = 2;
     micro->cuts = calloc(2, sizeof *micro->cuts);
     assert_non_null(micro->cuts);
@@ -60,7 +62,8 @@ static inline double sample_wave(const ph_grid *g, int c, const double x[3])
 /* Macro strain of load `a`: high-entropy numbers in every component. */
 static inline void sample_macro(int a, int ns, double eps[6])
 {
-    for (int b = 0; b < ns; b++) eps[b] = b == a ? 1.0 : 0.0137 * (b + 2 * a + 1);
+    for (int b = 0; b < ns; b++)
+        eps[b] = b == a ? 1.0 : 0.0137 * (b + 2 * a + 1);
 }
 
 static inline double sample_affine(int ns, const double *eps, int c, const double x[3])
@@ -77,7 +80,8 @@ static inline double sample_affine(int ns, const double *eps, int c, const doubl
     return e[c][0] * x[0] + e[c][1] * x[1] + e[c][2] * x[2];
 }
 
-static inline void sample_fields(const ph_grid *g, int load, ph_points points, ph_fields *f)
+static inline void sample_fields(const ph_grid *g, int load, ph_points points,
+                                 ph_fields *f)
 {
     size_t cells = (size_t)ph_grid_cells(g), q = 0;
     f->load = load;
@@ -121,7 +125,8 @@ static inline ph_result *sample_result(const ph_microstructure *micro, ph_points
     int n = ph_strains(kin);
     r->grid = micro->grid;
     ph_sym4 c = ph_sym4_isotropic(13.0 / 7, 0.2718);
-    ph_sym4 stiff = ph_sym4_isotropic(29.0 / 7, 0.2718), soft = ph_sym4_isotropic(0.7, 0.27);
+    ph_sym4 stiff = ph_sym4_isotropic(29.0 / 7, 0.2718),
+            soft = ph_sym4_isotropic(0.7, 0.27);
     ph_error err = PH_ERROR_INIT;
     assert_int_equal(ph_sym4_reduce(&c, kin, &r->stiffness, &err), PH_OK);
     assert_int_equal(ph_sym4_reduce(&stiff, kin, &r->voigt, &err), PH_OK);
@@ -180,7 +185,8 @@ static inline void sample_case(ph_case *c)
 static inline void sample_folder(char path[256])
 {
     const char *base = getenv("TMPDIR");
-    snprintf(path, 256, "%s/perihom-test-XXXXXX", base && strlen(base) < 200 ? base : "/tmp");
+    snprintf(path, 256, "%s/perihom-test-XXXXXX",
+             base && strlen(base) < 200 ? base : "/tmp");
     assert_non_null(mkdtemp(path));
 }
 

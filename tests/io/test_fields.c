@@ -2,6 +2,7 @@
 #include "io/sample.h"
 
 #include <hdf5.h>
+
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -46,7 +47,8 @@ static void check_same_micro(const ph_microstructure *a, const ph_microstructure
         CHECK(a->cuts[q].cell == b->cuts[q].cell && a->cuts[q].base == b->cuts[q].base);
         CHECK(a->cuts[q].material == b->cuts[q].material);
         CHECK(a->cuts[q].fraction == b->cuts[q].fraction);
-        CHECK(memcmp(a->cuts[q].normal, b->cuts[q].normal, sizeof a->cuts[q].normal) == 0);
+        CHECK(memcmp(a->cuts[q].normal, b->cuts[q].normal, sizeof a->cuts[q].normal) ==
+              0);
     }
 }
 
@@ -124,10 +126,10 @@ static void test_file_order_is_x_fastest(void **state)
     for (int k = 0, q = 0; k < 4; k++)
         for (int j = 0; j < 3; j++)
             for (int i = 0; i < 5; i++, q++)
-                CHECK_REL(got[q],
-                          sample_value(4, (i + 0.5) * h[0], (j + 0.5) * h[1],
-                                       (k + 0.5) * h[2]),
-                          1e-14);
+                CHECK_REL(
+                    got[q],
+                    sample_value(4, (i + 0.5) * h[0], (j + 0.5) * h[1], (k + 0.5) * h[2]),
+                    1e-14);
     read_raw("/phase", 3, (const hsize_t[]){4, 3, 5}, got);
     CHECK(got[(2 * 3 + 1) * 5 + 4] == micro->phase[(4 * 3 + 1) * 4 + 2]);
     free_all(&micro, &r, NULL);
@@ -153,10 +155,12 @@ static void closed_mesh(ph_kinematics kin, const char *constraint)
         for (int j = 0; j < 4; j++)
             for (int i = 0; i < 6; i++)
                 for (int c = 0; c < 3; c++, q++) {
-                    const double x[3] = {i * g->h[0], j * g->h[1], space ? k * g->h[2] : 0};
-                    double want = c < f->nu ? sample_affine(f->ns, f->macro_strain, c, x) +
-                                                  sample_wave(g, c, x)
-                                            : 0;
+                    const double x[3] = {i * g->h[0], j * g->h[1],
+                                         space ? k * g->h[2] : 0};
+                    double want = c < f->nu
+                                      ? sample_affine(f->ns, f->macro_strain, c, x) +
+                                            sample_wave(g, c, x)
+                                      : 0;
                     CHECK_ABS(got[q], want, 1e-14); /* values are of order one */
                 }
     free_all(&micro, &r, NULL);
@@ -203,7 +207,8 @@ static void check_well_formed(const char *text)
         char name[32] = "";
         sscanf(p + 1 + (p[1] == '/'), "%31[A-Za-z?]", name);
         int quotes = 0;
-        for (const char *q = p; q < end; q++) quotes += *q == '"';
+        for (const char *q = p; q < end; q++)
+            quotes += *q == '"';
         CHECK(quotes % 2 == 0);
         if (p[1] == '/')
             CHECK(depth > 0 && strcmp(open[--depth], name) == 0);
@@ -297,7 +302,7 @@ static void test_full_disk_at_every_size(void **state)
     }
     CHECK(failed > 30);
     CHECK_OK(ph_read_fields(in_folder("f.h5"), ~0u, &file, &err));
-    CHECK(file && file->nfields == 0); /* the old one */
+    CHECK(file && file->nfields == 0);                             /* the old one */
     CHECK(H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL) == 0); /* nothing left open */
     free_all(&micro, &r, &file);
     CHECK_END();
@@ -323,7 +328,8 @@ static void test_unreadable_files(void **state)
     check_unreadable(in_folder("missing.h5"), "No such file");
     CHECK_OK(ph_write_file(in_folder("text.h5"), "not HDF5", 8, &err));
     check_unreadable(in_folder("text.h5"), "signature");
-    hid_t other = H5Fcreate(in_folder("other.h5"), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    hid_t other =
+        H5Fcreate(in_folder("other.h5"), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
     H5Fclose(other);
     check_unreadable(in_folder("other.h5"), "schema");
     ph_microstructure *micro = sample_micro(PH_SPACE);

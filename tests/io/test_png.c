@@ -3,6 +3,7 @@
 #include "io/sample.h"
 
 #include <png.h>
+
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -48,7 +49,8 @@ static long count(const ph_i_picture *p, ph_i_colour c)
 {
     long n = 0;
     for (int y = 0; y < p->height; y++)
-        for (int x = 0; x < p->width; x++) n += same(at(p, x, y), c);
+        for (int x = 0; x < p->width; x++)
+            n += same(at(p, x, y), c);
     return n;
 }
 
@@ -73,7 +75,8 @@ static void test_a_cell_is_where_it_belongs(void **state)
     const struct {
         int axis;
         ptrdiff_t n[3], cell[3];
-    } cases[] = {{3, {5, 2, 3}, {3, 1, 1}}, {2, {5, 3, 2}, {3, 1, 1}}, {1, {3, 5, 2}, {1, 3, 1}}};
+    } cases[] = {
+        {3, {5, 2, 3}, {3, 1, 1}}, {2, {5, 3, 2}, {3, 1, 1}}, {1, {3, 5, 2}, {1, 3, 1}}};
     for (int q = 0; q < 3; q++) {
         const ptrdiff_t *n = cases[q].n, *cell = cases[q].cell;
         const double size[3] = {(double)n[0], (double)n[1], (double)n[2]};
@@ -82,7 +85,8 @@ static void test_a_cell_is_where_it_belongs(void **state)
         int place[2];
         CHECK_OK(ph_grid_init(&grid, PH_SPACE, n, size, &err));
         value[(cell[0] * n[1] + cell[1]) * n[2] + cell[2]] = 1;
-        CHECK_OK(ph_write_png(in_folder("a.png"), &grid, value, cases[q].axis, NULL, &err));
+        CHECK_OK(
+            ph_write_png(in_folder("a.png"), &grid, value, cases[q].axis, NULL, &err));
         ph_i_picture p = open_png(in_folder("a.png"));
         ph_i_colour bright = ph_i_sequential(1);
         find(&p, bright, place);
@@ -91,7 +95,8 @@ static void test_a_cell_is_where_it_belongs(void **state)
         ph_i_colour dark = ph_i_sequential(0);
         CHECK(same(at(&p, place[0] - 1, place[1] + 80), dark));
         CHECK(same(at(&p, place[0] - 480, place[1] + 80), dark));
-        CHECK(!same(at(&p, place[0] - 482, place[1] + 80), dark)); /* frame: fourth block */
+        CHECK(
+            !same(at(&p, place[0] - 482, place[1] + 80), dark)); /* frame: fourth block */
         CHECK(same(at(&p, place[0] + 160, place[1] + 80), dark));
         CHECK(same(at(&p, place[0] + 80, place[1] + 160), dark));
         CHECK(!same(at(&p, place[0] + 80, place[1] - 1), dark)); /* frame: upper row */
@@ -107,7 +112,8 @@ static void test_sizes_and_shapes(void **state)
     const ptrdiff_t n[][2] = {{1, 1}, {64, 64}, {1000, 3}, {2, 300}};
     double *value = calloc(3000, sizeof *value);
     assert_non_null(value);
-    for (int i = 0; i < 3000; i++) value[i] = i % 17;
+    for (int i = 0; i < 3000; i++)
+        value[i] = i % 17;
     for (int q = 0; q < 4; q++) {
         ph_grid grid;
         const double size[2] = {(double)n[q][0], (double)n[q][1]};
@@ -132,7 +138,8 @@ static void test_values_without_a_range(void **state)
     double value[16];
     CHECK_OK(ph_grid_init(&grid, PH_PLANE_STRESS, n, size, &err));
     for (int q = 0; q < 6; q++) {
-        for (int i = 0; i < 16; i++) value[i] = fill[q];
+        for (int i = 0; i < 16; i++)
+            value[i] = fill[q];
         CHECK_OK(ph_write_png(in_folder("a.png"), &grid, value, 3, "constant", &err));
         ph_i_picture p = open_png(in_folder("a.png"));
         long greys = count(&p, (ph_i_colour){190, 190, 190});
@@ -167,9 +174,12 @@ static double lightness(ph_i_colour c)
     double rgb[3] = {c.r / 255.0, c.g / 255.0, c.b / 255.0};
     for (int k = 0; k < 3; k++)
         rgb[k] = rgb[k] <= 0.04045 ? rgb[k] / 12.92 : pow((rgb[k] + 0.055) / 1.055, 2.4);
-    double l = cbrt(0.4122214708 * rgb[0] + 0.5363325363 * rgb[1] + 0.0514459929 * rgb[2]);
-    double m = cbrt(0.2119034982 * rgb[0] + 0.6806995451 * rgb[1] + 0.1073969566 * rgb[2]);
-    double s = cbrt(0.0883024619 * rgb[0] + 0.2817188376 * rgb[1] + 0.6299787005 * rgb[2]);
+    double l =
+        cbrt(0.4122214708 * rgb[0] + 0.5363325363 * rgb[1] + 0.0514459929 * rgb[2]);
+    double m =
+        cbrt(0.2119034982 * rgb[0] + 0.6806995451 * rgb[1] + 0.1073969566 * rgb[2]);
+    double s =
+        cbrt(0.0883024619 * rgb[0] + 0.2817188376 * rgb[1] + 0.6299787005 * rgb[2]);
     return 0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s;
 }
 
@@ -186,7 +196,7 @@ static void test_colours_are_even(void **state)
         for (int j = 0; j < i; j++)
             CHECK(!same(ph_i_material_colour(i, false), ph_i_material_colour(j, false)));
     ph_i_colour a = {10, 200, 30}, b = {250, 0, 99};
-    CHECK(same(ph_i_mix(a, b, 0), a) && same(ph_i_mix(a, b, 1), b));
+    CHECK(same(ph_i_mix_colours(a, b, 0), a) && same(ph_i_mix_colours(a, b, 1), b));
     CHECK_END();
 }
 
@@ -201,8 +211,8 @@ static void test_phases_and_cut_cells(void **state)
         /* swatches at least; cells too */
         CHECK(count(&p, ph_i_material_colour(0, false)) > 10000);
         CHECK(count(&p, ph_i_material_colour(1, false)) > 10000);
-        ph_i_colour cut = ph_i_mix(ph_i_material_colour(1, false),
-                                   ph_i_material_colour(2, true), 0.375);
+        ph_i_colour cut = ph_i_mix_colours(ph_i_material_colour(1, false),
+                                           ph_i_material_colour(2, true), 0.375);
         if (axis > 1) CHECK(count(&p, cut) > 10000);
         ph_i_picture_free(&p);
         ph_microstructure_free(&micro);
@@ -225,7 +235,9 @@ static void test_every_letter_has_ink_of_its_own(void **state)
     ph_i_glyph('\n', a);
     ph_i_glyph('?', b);
     CHECK(memcmp(a, b, 9) == 0);
-    CHECK(ph_i_text_width("\xce\xbc" "m", 2) == ph_i_text_width("mm", 2));
+    CHECK(ph_i_text_width("\xce\xbc"
+                          "m",
+                          2) == ph_i_text_width("mm", 2));
     CHECK_END();
 }
 
@@ -239,7 +251,8 @@ static void test_failures_leave_nothing(void **state)
     CHECK(ph_write_phases_png("/dev/null/a.png", micro, 1, "", &err) == PH_EIO);
     CHECK(ph_write_phases_png(in_folder("missing/a.png"), micro, 1, "", NULL) == PH_EIO);
     CHECK(ph_write_phases_png(in_folder("a.png"), micro, 4, "", NULL) == PH_EINVAL);
-    CHECK(ph_write_png(in_folder("a.png"), &micro->grid, value, 0, "", NULL) == PH_EINVAL);
+    CHECK(ph_write_png(in_folder("a.png"), &micro->grid, value, 0, "", NULL) ==
+          PH_EINVAL);
     CHECK(ph_write_png(in_folder("a.png"), &micro->grid, NULL, 1, "", NULL) == PH_EINVAL);
     err = (ph_error)PH_ERROR_INIT;
     CHECK(ph_write_png("/dev/full", &micro->grid, value, 1, "", &err) == PH_EIO);

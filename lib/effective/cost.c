@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a problem would take. */
+#include "effective/run.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Iterations to 1e-6 by contrast, as measured for composite cells (docs/performance.md). */
+static double expected_iterations(const ph_stiffness_map *map)
+{
+    return map->has_void ? 110.0
+                         : 12.0 + 8.0 * log10(fmax(1.0, map->contrast)) +
+                               3.5 * sqrt(fmin(map->contrast, 1e3));
+}
+
+/* Doubles per node that the solver keeps, and nanoseconds per node and iteration, measured. */
+static void unit_cost(const ph_run *r, double *doubles, double *ns)
+{
+    int nd = ph_displacements(r->result->grid.kinematics);
+    bool cells = !r->family || r->params.smallest;
+    *doubles = cells ? 8.2 * nd + 2.0 : 8.2 * nd + 2.0 * nd + 7.0;
+    *ns = (cells ? 20.0 : 30.0) * nd;
+    if (r->setting.fixed) *ns *= cells ? 1.3 : 2.5;
+}
+
+ph_status ph_homogenise_estimate(const ph_problem *problem, ph_estimate *out,
+                                 ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_run r = {.problem = problem};
+    double doubles, ns;
+    PH_CHECK(out, PH_EINVAL, "NULL estimate");
+    memset(out, 0, sizeof *out);
+    PH_TRY(ph_i_run_begin(&r, err));
+    if (!r.constraint->analytic) {
+        PH_TRY(ph_i_run_prepare(&r, err));
+        unit_cost(&r, &doubles, &ns);
+        double nodes = (double)ph_grid_cells(&r.setting.box);
+        int loads = ph_strains(r.result->grid.kinematics);
+        out->nodes = ph_grid_cells(&r.setting.box);
+        out->unknowns = out->nodes * ph_displacements(r.result->grid.kinematics);
+        out->bytes = (size_t)(8.0 * doubles * nodes) + r.meter.peak;
+        if (!ph_i_run_is_homogeneous(&r))
+            out->seconds = 1e-9 * ns * nodes * loads * expected_iterations(r.map);
+    }
+    out->nnotes = r.result->nnotes;
+    memcpy(out->notes, r.result->notes, sizeof out->notes);
+out:
+    ph_i_run_clear(&r);
+    ph_result_free(&r.result);
+    return st;
+}

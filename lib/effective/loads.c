@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The loads of a run, their columns, and the stiffness that the columns make. */
+#include "effective/run.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double default_tolerance = 1e-6;
+enum { DEFAULT_ITERATIONS = 2000 };
+/* A load below this share of the forces that its stresses could make is round-off. */
+static const double no_load = 1e-13;
+
+static bool load_is_nothing(const ph_run *r)
+{
+    ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
+    double sum = 0.0, stiffest = 0.0, least = INFINITY;
+    const uint8_t *held = r->setting.fixed; /* their forces are reactions */
+    for (ptrdiff_t x = 0; x < n; x++)
+        if (!held || !held[x % cells]) sum += r->load[x] * r->load[x];
+    for (int i = 0; i < r->map->ns * r->map->ns * (r->map->materials); i++)
+        stiffest = fmax(stiffest, fabs(r->map->c[i]));
+    for (int d = 0; d < 3; d++)
+        if (r->setting.box.n[d] > 1) least = fmin(least, r->setting.box.h[d]);
+    return sqrt(sum) <= no_load * stiffest / least * sqrt((double)n);
+}
+
+/* Voigt component i of Mandel values: strain (engineering shear) or stress. */
+/* A macro stress is prescribed, but for components that no displacement of this grid can
+ * produce (33 of generalised plane strain): there it is the strain. */
+bool ph_i_run_by_stress(const ph_run *r, int load)
+{
+    static const int axes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    int a = r->map->ns == 6 ? load : load == 2 ? 5 : load;
+    const ptrdiff_t *n = r->problem->micro->grid.n;
+    return r->constraint->by_stress && (n[axes[a][0]] > 1 || n[axes[a][1]] > 1);
+}
+
+/* Averages of a solved load: its column, and what the energies say. */
+static void take_column(ph_run *r, int load, const double *macro, const double *unit)
+{
+    int ns = r->map->ns;
+    double stress[6], strain[6], work = 0.0, off = 0.0, size = 0.0;
+    ph_cell_energy e;
+    ph_i_operator_sums(r->op, r->u, macro, r->setting.region, stress, strain, &e);
+    double n = (double)r->setting.averaged;
+    for (int i = 0; i < ns; i++) {
+        stress[i] /= n;
+        strain[i] /= n;
+        work += stress[i] * strain[i];
+        bool by_stress = ph_i_run_by_stress(r, i);
+        double wrong = (by_stress ? stress[i] : strain[i]) - unit[i];
+        off += wrong * wrong;
+        size += unit[i] * unit[i];
+        r->columns.m[i][load] = by_stress ? strain[i] : stress[i];
+    }
+    double total = (e.mean + e.modes + e.stabilisation) / n;
+    double theta =
+        r->params.stabilisation == PH_STABILISE_SUBPOINT ? r->params.value : 0.0;
+    double extra = e.stabilisation;
+    if (theta > 0.0)
+        extra += r->op->has_cells ? e.modes
+                                  : e.modes - theta / (1.0 - theta + 1e-300) * e.mean;
+    ph_result *res = r->result;
+    res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
+    res->strain_average = fmax(res->strain_average, sqrt(off / size));
+    res->stabilisation_energy =
+        fmax(res->stabilisation_energy, fabs(extra) / n / fabs(total));
+}
+
+static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_result *res = r->result;
+    const ph_solver_params *sp = &r->problem->solver;
+    double unit[6] = {0};
+    unit[load] = 1.0;
+    const double *macro = ph_i_run_by_stress(r, load) ? NULL : unit;
+    ph_cg_report report = {.tolerance =
+                               sp->tolerance > 0.0 ? sp->tolerance : default_tolerance,
+                           .max_iterations = sp->max_iterations > 0 ? sp->max_iterations
+                                                                    : DEFAULT_ITERATIONS,
+                           .ctx = r->ctx,
+                           .load = number,
+                           .loads = loads};
+    if (macro)
+        ph_i_operator_load(r->op, macro, r->load);
+    else
+        ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
+    if (load_is_nothing(r))
+        memset(r->u, 0,
+               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+    else
+        st = r->solver->solve(r->state, r->load, r->u, &report, err);
+    res->iterations[res->nloads] = report.iterations;
+    res->residual[res->nloads++] = report.residual;
+    if (st != PH_OK && st != PH_ENOCONV) return st;
+    take_column(r, load, macro, unit);
+    if (r->problem->keep_fields && st == PH_OK)
+        st = ph_i_run_keep_fields(r, load, macro, err);
+    return st;
+}
+
+ph_status ph_i_run_loads(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_result *res = r->result;
+    unsigned all = ph_i_run_all_loads(res),
+             loads = r->problem->loads ? r->problem->loads & all : all;
+    int count = 0, number = 0;
+    if (r->constraint->by_stress) loads = all; /* the compliance is inverted as a whole */
+    for (int a = 0; a < r->map->ns; a++)
+        count += (loads >> a) & 1;
+    PH_ALLOC(res->fields, count, "fields");
+    r->columns.n = r->map->ns;
+    for (int a = 0; a < r->map->ns; a++) {
+        if (!((loads >> a) & 1)) continue;
+        PH_TRY(solve_load(r, a, ++number, count, err));
+        res->loads |= 1u << a;
+    }
+    res->converged = true;
+out:
+    return st;
+}
+
+/* Columns of mixed loads -> stiffness. With X the components loaded by stress and M the
+ * others, e_X = A s_X + B e_M and s_M = D s_X + F e_M. */
+static ph_status from_mixed(const ph_run *r, ph_sym4 *c, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int ns = r->map->ns, x[6], nx = 0;
+    ph_sym4 A = {.n = ns}, mixed = *c;
+    for (int i = 0; i < ns; i++)
+        if (ph_i_run_by_stress(r, i)) x[nx++] = i;
+    for (int i = 0; i < ns; i++)
+        A.m[i][i] = 1.0;
+    for (int p = 0; p < nx; p++)
+        for (int q = 0; q < nx; q++)
+            A.m[x[p]][x[q]] = mixed.m[x[p]][x[q]];
+    PH_TRY(ph_sym4_inverse(&A, &A, err));
+    for (int i = 0; i < ns; i++)
+        for (int j = 0; j < ns; j++) {
+            bool xi = ph_i_run_by_stress(r, i), xj = ph_i_run_by_stress(r, j);
+            double v = !xi && !xj ? mixed.m[i][j] : 0.0;
+            for (int p = 0; p < nx; p++)
+                for (int q = 0; q < nx; q++) {
+                    double left = xi ? (double)(x[p] == i) : mixed.m[i][x[p]];
+                    double right = xj ? (double)(x[q] == j) : -mixed.m[x[q]][j];
+                    v += left * A.m[x[p]][x[q]] * right;
+                }
+            c->m[i][j] = v;
+        }
+out:
+    return st;
+}
+
+ph_status ph_i_run_stiffness(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_result *res = r->result;
+    int ns = r->map->ns;
+    ph_sym4 c = r->columns;
+    if (r->constraint->by_stress) PH_TRY(from_mixed(r, &c, err));
+    if (res->loads == ph_i_run_all_loads(res)) {
+        double off = 0.0;
+        for (int i = 0; i < ns; i++)
+            for (int j = 0; j < i; j++) {
+                double d = c.m[i][j] - c.m[j][i];
+                off += 2.0 * d * d;
+                c.m[i][j] = c.m[j][i] = 0.5 * (c.m[i][j] + c.m[j][i]);
+            }
+        res->asymmetry = sqrt(off) / ph_sym4_norm(&c);
+    }
+    res->stiffness = c;
+out:
+    return st;
+}

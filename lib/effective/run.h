@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One call of ph_homogenise, from the problem to the result. */
+#ifndef PH_EFFECTIVE_RUN_H
+#define PH_EFFECTIVE_RUN_H
+
+#include "model/models.h"
+#include "solve/solver.h"
+
+/* Everything that one call makes and has to release. */
+typedef struct ph_run {
+    const ph_problem *problem;
+    const ph_ctx *ctx;
+    int threads;
+    ph_meter meter;
+    const ph_constraint_method *constraint;
+    ph_setting setting;
+    ph_stiffness_map *map;
+    ph_operator_params params;
+    ph_family *family;
+    ph_operator *op;
+    ph_system system;
+    const ph_solver_method *solver;
+    void *state;
+    double *load, *u; /* the operator's work fields, see solver.h */
+    ph_sym4 columns;  /* C or, by_stress, the compliance */
+    ph_result *result;
+} ph_run;
+
+/** Check the problem and make the result with its fractions and simple bounds. */
+ph_status ph_i_run_begin(ph_run *run, ph_error *err);
+/** Decide what `auto` leaves open; map and setting of the box that is solved. */
+ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
+/** Release everything but the result. */
+void ph_i_run_clear(ph_run *run);
+/** All cells hold the same stiffness and nothing around them is held or missing. */
+bool ph_i_run_is_homogeneous(const ph_run *run);
+unsigned ph_i_run_all_loads(const ph_result *result);
+
+/** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
+ph_status ph_i_run_loads(ph_run *run, ph_error *err);
+ph_status ph_i_run_stiffness(ph_run *run, ph_error *err);
+/** Is component `load` of a by_stress constraint a stress? A macro stress is prescribed, but
+ *  for components that no displacement of this grid can produce (33 of generalised plane
+ *  strain): there it is the strain. */
+bool ph_i_run_by_stress(const ph_run *run, int load);
+
+/** Keep displacement, strain and stress of the load just solved, per unit of its Voigt
+ *  component. */
+ph_status ph_i_run_keep_fields(ph_run *run, int load, const double *macro, ph_error *err);
+
+#endif

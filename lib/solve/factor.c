@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "solve/factor.h"
+
+#include <suitesparse/cholmod.h>
+
+#include <math.h>
+#include <string.h>
+
+struct ph_factor {
+    cholmod_common common;
+    cholmod_factor *L;
+    cholmod_dense *x, *y, *e; /* kept between solves */
+    double condition;
+    size_t n, bytes;
+};
+
+static ph_status translate(const cholmod_common *c, const char *doing, ph_error *err)
+{
+    if (c->status == CHOLMOD_OK) return PH_OK;
+    if (c->status == CHOLMOD_NOT_POSDEF)
+        return PH_FAIL(err, PH_ESINGULAR, "the matrix is not positive definite");
+    return PH_FAIL(err, c->status == CHOLMOD_OUT_OF_MEMORY ? PH_ENOMEM : PH_EINTERNAL,
+                   "CHOLMOD could not %s the matrix (status %d)", doing, c->status);
+}
+
+ph_status ph_i_factor_new(const ph_csc *m, ph_factor **out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_factor *f = NULL;
+    *out = NULL;
+    PH_ALLOC(f, 1, "a factor");
+    cholmod_common *c = &f->common;
+    cholmod_start(c);
+    c->print = 0;
+    c->final_ll = 1; /* L L^T: fails where L D L^T would go on with a negative pivot */
+    f->n = (size_t)m->n;
+    cholmod_sparse a = {.nrow = f->n,
+                        .ncol = f->n,
+                        .nzmax = (size_t)m->start[m->n],
+                        .p = m->start,
+                        .i = m->row,
+                        .x = m->value,
+                        .stype = -1,
+                        .itype = CHOLMOD_INT,
+                        .xtype = CHOLMOD_REAL,
+                        .dtype = CHOLMOD_DOUBLE,
+                        .packed = 1};
+    f->L = cholmod_analyze(&a, c);
+    PH_TRY(translate(c, "analyse", err));
+    PH_CHECK(
+        c->lnz <= (double)PH_MATRIX_MOST, PH_EINVAL,
+        "the factor of the matrix would have %.3g entries, more than %d: take solver "
+        "fft_cg",
+        c->lnz, PH_MATRIX_MOST);
+    f->bytes = (size_t)c->lnz * sizeof(double);
+    cholmod_factorize(&a, f->L, c);
+    PH_TRY(translate(c, "factorise", err));
+    f->condition = cholmod_rcond(f->L, c);
+    *out = f;
+    f = NULL;
+out:
+    ph_i_factor_free(&f);
+    return st;
+}
+
+void ph_i_factor_free(ph_factor **factor)
+{
+    if (!factor || !*factor) return;
+    ph_factor *f = *factor;
+    cholmod_free_dense(&f->x, &f->common);
+    cholmod_free_dense(&f->y, &f->common);
+    cholmod_free_dense(&f->e, &f->common);
+    cholmod_free_factor(&f->L, &f->common);
+    cholmod_finish(&f->common);
+    free(f);
+    *factor = NULL;
+}
+
+double ph_i_factor_condition(const ph_factor *f)
+{
+    return f->condition;
+}
+
+size_t ph_i_factor_bytes(const ph_factor *f)
+{
+    return f->bytes;
+}
+
+ph_status ph_i_factor_solve(ph_factor *f, const double *b, double *x, ph_error *err)
+{
+    ph_status st = PH_OK;
+    double *copy = NULL; /* CHOLMOD's interface is not const */
+    PH_ALLOC(copy, f->n, "a right-hand side");
+    memcpy(copy, b, f->n * sizeof *copy);
+    cholmod_dense rhs = {.nrow = f->n,
+                         .ncol = 1,
+                         .nzmax = f->n,
+                         .d = f->n,
+                         .x = copy,
+                         .xtype = CHOLMOD_REAL,
+                         .dtype = CHOLMOD_DOUBLE};
+    cholmod_solve2(CHOLMOD_A, f->L, &rhs, NULL, &f->x, NULL, &f->y, &f->e, &f->common);
+    PH_TRY(translate(&f->common, "solve with", err));
+    memcpy(x, f->x->x, f->n * sizeof *x);
+out:
+    free(copy);
+    return st;
+}

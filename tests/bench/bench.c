@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Speed, one problem per word of the command line; verified before it is timed.
+ *
+ *   iteration:64x64x64:nodes:2     one CG iteration and its parts (route, horizon)
+ *   solve:P3:64:nosb               all load cases of a peer's problem
+ *   threads:P3:64                  one thread against two
+ *   horizon:64x64x64               an iteration at horizon 12 over one at horizon 2
+ *
+ * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
+ * runs, unless called wall. Ratios are of two runs in the same minute. */
+#include <perihom_rve.h>
+
+#include "model/models.h"
+#include "solve/solver.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+static double clock_of(clockid_t id)
+{
+    struct timespec t;
+    clock_gettime(id, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void die(const char *what, const ph_error *err)
+{
+    fprintf(stderr, "bench: %s: %s\n", what, err->msg);
+    exit(1);
+}
+
+/* ---- problems ------------------------------------------------------------------------- */
+
+static const char *const problem_yaml[] = {
+    "P2",
+    "perihom: 1\ntitle: P2\nunits: {length: mm, stress: GPa, time: s}\n"
+    "materials: {m: {E: 68.3, nu: 0.3}, f: {E: 379.3, nu: 0.1}}\n"
+    "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [%d, %d], "
+    "matrix: m,\n"
+    "  inclusions: [{shape: disk, centre: [0.5, 0.5], fraction: 0.47, material: f}]}\n",
+    "P3",
+    "perihom: 1\ntitle: P3\nunits: {length: mm, stress: GPa, time: s}\n"
+    "materials: {m: {E: 3.5, nu: 0.35}, f: {E: 70, nu: 0.2}}\n"
+    "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
+    "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.25, material: "
+    "f}]}\n",
+    "SC", /* simple-cubic spheres with exact constants */
+    "perihom: 1\ntitle: spheres\nunits: {length: mm, stress: GPa, time: s}\n"
+    "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.3}}\n"
+    "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
+    "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.2, material: "
+    "f}]}\n",
+};
+
+typedef struct scene {
+    ph_case *c;
+    ph_microstructure *micro;
+    ph_problem problem;
+} scene;
+
+static scene scene_new(const char *name, int n, const char *model, bool voxels)
+{
+    ph_error err = PH_ERROR_INIT;
+    scene s = {0};
+    char text[1024], set[64];
+    for (size_t i = 0; i < sizeof problem_yaml / sizeof *problem_yaml; i += 2)
+        if (strcmp(problem_yaml[i], name) == 0)
+            snprintf(text, sizeof text, problem_yaml[i + 1], n, n, n);
+    snprintf(set, sizeof set, "model.kind=%s", model);
+    const char *sets[] = {set, "microstructure.interface=node_centre"};
+    if (ph_case_parse(text, strlen(text), name, sets, voxels ? 2 : 1, &s.c, NULL, &err) ||
+        ph_rve_build(s.c, &s.micro, &err))
+        die(name, &err);
+    s.problem = (ph_problem){.micro = s.micro,
+                             .interface = s.c->interface,
+                             .model = s.c->model,
+                             .constraint = s.c->constraint,
+                             .solver = s.c->solver};
+    return s;
+}
+
+static void scene_free(scene *s)
+{
+    ph_microstructure_free(&s->micro);
+    ph_case_free(&s->c);
+}
+
+/* Least CPU seconds of `runs` solves; wall in *wall; the last result in *out. */
+static double solve(const scene *s, int threads, int runs, double *wall, ph_result **out)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_ctx ctx = {.threads = threads};
+    double cpu = INFINITY;
+    *wall = INFINITY;
+    for (int i = 0; i < runs; i++) {
+        ph_result_free(out);
+        double c = clock_of(CLOCK_PROCESS_CPUTIME_ID), w = clock_of(CLOCK_MONOTONIC);
+        if (ph_homogenise(&s->problem, &ctx, out, &err)) die("solve", &err);
+        cpu = fmin(cpu, clock_of(CLOCK_PROCESS_CPUTIME_ID) - c);
+        *wall = fmin(*wall, clock_of(CLOCK_MONOTONIC) - w);
+    }
+    return cpu;
+}
+
+static void bench_solve(const char *name, int n, const char *model)
+{
+    /* The peers' problems are voxelised by the cell centre; SC has exact constants. */
+    bool voxels = strcmp(name, "SC") != 0;
+    scene s = scene_new(name, n, model, voxels);
+    ph_result *res = NULL;
+    double wall, cpu = solve(&s, 1, n > 100 ? 1 : 3, &wall, &res), v[36];
+    int iterations = 0, ns = res->stiffness.n;
+    ph_sym4_to_voigt(&res->stiffness, true, v);
+    for (int i = 0; i < res->nloads; i++)
+        iterations += res->iterations[i];
+    ptrdiff_t cells = ph_grid_cells(&res->grid);
+    printf("{\"bench\": \"solve\", \"problem\": \"%s\", \"n\": %d, \"model\": \"%s\", "
+           "\"route\": \"%s\", \"cpu\": %.4g, \"wall\": %.4g, \"iterations\": %d, "
+           "\"loads\": %d, \"ns_per_node_iteration\": %.3g, \"bytes_per_node\": %.4g, "
+           "\"C11\": %.7g, \"C12\": %.7g, \"C_shear\": %.7g}\n",
+           name, n, model, res->route, cpu, wall, iterations, res->nloads,
+           1e9 * res->seconds_solve / iterations / (double)cells,
+           (double)res->peak_bytes / (double)cells, v[0], v[1], v[ns * ns - 1]);
+    ph_result_free(&res);
+    scene_free(&s);
+}
+
+static void bench_threads(const char *name, int n)
+{
+    scene s = scene_new(name, n, "nosb", false);
+    ph_result *one = NULL, *two = NULL;
+    double wall1, wall2, cpu1 = solve(&s, 1, 3, &wall1, &one),
+                         cpu2 = solve(&s, 2, 3, &wall2, &two);
+    bool same = memcmp(&one->stiffness, &two->stiffness, sizeof one->stiffness) == 0;
+    printf("{\"bench\": \"threads\", \"problem\": \"%s\", \"n\": %d, \"wall_1\": %.4g, "
+           "\"wall_2\": %.4g, \"speedup\": %.3g, \"cpu_1\": %.4g, \"cpu_2\": %.4g, "
+           "\"same_bits\": %s}\n",
+           name, n, wall1, wall2, wall1 / wall2, cpu1, cpu2, same ? "true" : "false");
+    ph_result_free(&one);
+    ph_result_free(&two);
+    scene_free(&s);
+}
+
+/* ---- one iteration and its parts -------------------------------------------------------- */
+
+typedef struct parts {
+    ph_operator *op;
+    ph_green green;
+    ph_space space;
+    double *x, *r, *p, *q;
+} parts;
+
+static double time_of(void (*part)(parts *), parts *p)
+{
+    double best = INFINITY;
+    for (int i = 0; i < 9; i++) {
+        double t = clock_of(CLOCK_THREAD_CPUTIME_ID);
+        part(p);
+        best = fmin(best, clock_of(CLOCK_THREAD_CPUTIME_ID) - t);
+    }
+    return best;
+}
+
+static void part_apply(parts *p)
+{
+    ph_i_operator_apply_hat(p->op, p->p, p->q);
+}
+static void part_green(parts *p)
+{
+    ph_i_green_apply(&p->green, p->r, p->q);
+}
+static void part_transforms(parts *p)
+{
+    ph_i_operator_backward(p->op, p->p, p->q, p->op->u);
+    ph_i_operator_forward(p->op, p->op->u, p->q);
+}
+static void part_vectors(parts *p)
+{
+    double rz = ph_i_dot(&p->space, p->r, p->q), pq = ph_i_dot(&p->space, p->p, p->q);
+    ph_i_step(&p->space, 1e-3 * (rz != pq), p->p, p->q, p->x, p->r);
+    ph_i_direction(&p->space, 1e-3, p->q, p->p);
+}
+
+static ph_microstructure *ball(const ptrdiff_t *n, ph_error *err)
+{
+    double size[3] = {1.0, 1.0, 1.0};
+    ph_grid grid;
+    ph_material m[2];
+    ph_microstructure *micro = NULL;
+    if (ph_grid_init(&grid, n[2] > 1 ? PH_SPACE : PH_GENERALISED_STRAIN, n, size, err) ||
+        ph_material_isotropic("m", 1.0, 0.3, &m[0], err) ||
+        ph_material_isotropic("f", 10.0, 0.3, &m[1], err) ||
+        ph_microstructure_new(&grid, 2, m, &micro, err))
+        die("ball", err);
+    for (ptrdiff_t x = 0; x < ph_grid_cells(&grid); x++) {
+        ptrdiff_t at[3] = {x / n[2] / n[1], x / n[2] % n[1], x % n[2]};
+        double r = 0.0;
+        for (int d = 0; d < 3; d++)
+            if (n[d] > 1) r += pow(((double)at[d] + 0.5) / (double)n[d] - 0.5, 2.0);
+        micro->phase[x] = r < 0.13;
+    }
+    return micro;
+}
+
+/* Seconds of one iteration; prints the parts if `tell`. */
+static double iteration(const ptrdiff_t *n, const char *points, double horizon,
+                        ph_route route, bool tell)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_meter meter = {0};
+    ph_microstructure *micro = ball(n, &err);
+    ptrdiff_t cells = ph_grid_cells(&micro->grid);
+    ph_stiffness_map *map = NULL;
+    ph_family *family = NULL;
+    ph_operator_params params;
+    bool local = strcmp(points, "local") == 0;
+    ph_problem problem = {
+        .micro = micro,
+        .model = {
+            .kind = local ? "local" : "nosb",
+            .points = strcmp(points, "nodes") == 0 ? PH_POINTS_NODES : PH_POINTS_STRESS,
+            .horizon = horizon,
+            .stabilisation = strcmp(points, "subpoint") == 0 ? PH_STABILISE_SUBPOINT
+                                                             : PH_STABILISE_SPECTRAL}};
+    parts p = {0};
+    if (ph_i_stiffness_map_new(micro, PH_INTERFACE_NODE_CENTRE, NULL, cells, &meter, &map,
+                               &err) ||
+        ph_i_model_choose(&problem, map, false, &params, &family, NULL, &err))
+        die("iteration", &err);
+    params.threads = 1;
+    params.route = route;
+    if (ph_i_operator_new(&micro->grid, map, &params, &meter, &p.op, &err) ||
+        ph_i_space_init(&p.space, &p.op->layout, p.op->fft, 1, &err) ||
+        ph_i_green_init(&p.green, p.op, &map->middle, &err))
+        die("iteration", &err);
+    size_t size = ph_i_space_size(&p.space);
+    p.x = ph_i_doubles_new(&meter, size);
+    p.r = ph_i_doubles_new(&meter, size);
+    p.p = ph_i_doubles_new(&meter, size);
+    p.q = ph_i_doubles_new(&meter, size);
+    if (!p.x || !p.r || !p.p || !p.q) exit(1);
+    for (size_t i = 0; i < size; i++)
+        p.r[i] = p.p[i] = sin((double)i);
+    double apply = time_of(part_apply, &p), green = time_of(part_green, &p);
+    double vectors = time_of(part_vectors, &p), transforms = time_of(part_transforms, &p);
+    double all = apply + green + vectors, ns = 1e9 / (double)cells;
+    /* The convolution transforms strains and stresses, not displacements and forces. */
+    int nd = p.op->layout.nd, columns = n[2] > 1 ? 6 : 5;
+    if (p.op->has_convolution) transforms *= (double)columns / nd;
+    if (tell)
+        printf(
+            "{\"bench\": \"iteration\", \"n\": [%td, %td, %td], \"points\": \"%s\", "
+            "\"horizon\": %g, \"route\": \"%s\", \"ns_per_node\": %.4g, \"apply\": %.4g, "
+            "\"transforms\": %.4g, \"preconditioner\": %.4g, \"vectors\": %.4g, "
+            "\"transform_share\": %.3g, \"bytes_per_node\": %.4g}\n",
+            n[0], n[1], n[2], points, horizon, ph_i_route_name(p.op->route), all * ns,
+            apply * ns, transforms * ns, green * ns, vectors * ns, transforms / all,
+            (double)meter.peak / (double)cells);
+    ph_i_doubles_free(&meter, &p.x, size);
+    ph_i_doubles_free(&meter, &p.r, size);
+    ph_i_doubles_free(&meter, &p.p, size);
+    ph_i_doubles_free(&meter, &p.q, size);
+    ph_i_green_clear(&p.green, &meter);
+    ph_i_space_clear(&p.space);
+    ph_i_operator_free(&p.op);
+    ph_family_free(&family);
+    ph_i_stiffness_map_free(&meter, &map);
+    ph_microstructure_free(&micro);
+    return all;
+}
+
+static void bench_horizon(const ptrdiff_t *n)
+{
+    double two = INFINITY, twelve = INFINITY;
+    for (int i = 0; i < 3; i++) { /* in turn, so that a busy minute hits both */
+        two = fmin(two, iteration(n, "nodes", 2.0, PH_ROUTE_CONVOLUTION, i == 2));
+        twelve = fmin(twelve, iteration(n, "nodes", 12.0, PH_ROUTE_CONVOLUTION, i == 2));
+    }
+    printf(
+        "{\"bench\": \"horizon\", \"n\": [%td, %td, %td], \"ratio_12_over_2\": %.3g}\n",
+        n[0], n[1], n[2], twelve / two);
+}
+
+static ph_route route_called(const char *name)
+{
+    for (int r = PH_ROUTE_AUTO; r <= PH_ROUTE_CONVOLUTION; r++)
+        if (strcmp(name, ph_i_route_name((ph_route)r)) == 0) return (ph_route)r;
+    return PH_ROUTE_AUTO;
+}
+
+static int run(const char *word)
+{
+    ptrdiff_t n[3] = {1, 1, 1};
+    char name[32], model[32] = "nosb", route[32] = "auto";
+    int size;
+    double horizon = 0.0;
+    if (sscanf(word, "solve:%31[^:]:%d:%31s", name, &size, model) >= 2)
+        bench_solve(name, size, model);
+    else if (sscanf(word, "threads:%31[^:]:%d", name, &size) == 2)
+        bench_threads(name, size);
+    else if (sscanf(word, "horizon:%tdx%tdx%td", &n[0], &n[1], &n[2]) == 3)
+        bench_horizon(n);
+    else if (sscanf(word, "iteration:%tdx%tdx%td:%31[^:]:%lf:%31s", &n[0], &n[1], &n[2],
+                    name, &horizon, route) >= 4)
+        iteration(n, name, horizon, route_called(route), true);
+    else
+        return 2;
+    fflush(stdout);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++)
+        if (run(argv[i]) != 0) {
+            fprintf(stderr, "bench: cannot read '%s'\n", argv[i]);
+            return 2;
+        }
+    return 0;
+}
