@@ -12,10 +12,11 @@ static const double no_load = 1e-13;
 
 static bool load_is_nothing(const ph_run *r)
 {
-    ptrdiff_t n = r->op->layout.nd * r->op->layout.cells;
+    ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
     double sum = 0.0, stiffest = 0.0, least = INFINITY;
+    const uint8_t *held = r->setting.fixed; /* their forces are reactions */
     for (ptrdiff_t x = 0; x < n; x++)
-        sum += r->load[x] * r->load[x];
+        if (!held || !held[x % cells]) sum += r->load[x] * r->load[x];
     for (int i = 0; i < r->map->ns * r->map->ns * (r->map->materials); i++)
         stiffest = fmax(stiffest, fabs(r->map->c[i]));
     for (int d = 0; d < 3; d++)

@@ -64,21 +64,42 @@ static void unit_strain(const ph_bondlist *l, const ph_bond *b, int a, double *e
         e[a == d ? a : l->nd == 3 ? 6 - a - d : 2] += b->g[d] * (a == d ? 1.0 : R2);
 }
 
-/* s sum_b w_b (dz_b/du_i) (dz_b/du_j) of two bonds of a point. */
-static double deviation_entry(const ph_bondlist *l, const ph_bond_point *p, ptrdiff_t i,
-                              ptrdiff_t j)
+/* Sums over the bonds of a point that the deviations of one of its bonds, j, need. */
+typedef struct moments {
+    double W, m[3], Kg[3]; /* sum w, sum w xi, sum w xi (xi . g_j) */
+} moments;
+
+static double dot3(const double *a, const double *b)
 {
-    double sum = 0.0;
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static moments moments_of(const ph_bondlist *l, const ph_bond_point *p, ptrdiff_t j)
+{
+    moments s = {0};
     for (ptrdiff_t b = p->first; b < p[1].first; b++) {
         const ph_deviation *v = &l->deviation[b];
-        double zi = (b == i) - l->deviation[i].origin,
-               zj = (b == j) - l->deviation[j].origin;
+        double along = dot3(v->xi, l->bond[j].g);
+        s.W += v->w;
         for (int d = 0; d < 3; d++) {
-            zi -= l->bond[i].g[d] * v->xi[d];
-            zj -= l->bond[j].g[d] * v->xi[d];
+            s.m[d] += v->w * v->xi[d];
+            s.Kg[d] += v->w * v->xi[d] * along;
         }
-        sum += v->w * zi * zj;
     }
+    return s;
+}
+
+/* s sum_b w_b (dz_b/du_i) (dz_b/du_j), dz_b/du_i = [b = i] - origin_i - g_i . xi_b. */
+static double deviation_entry(const ph_bondlist *l, const moments *s, ptrdiff_t i,
+                              ptrdiff_t j)
+{
+    const ph_deviation *vi = &l->deviation[i], *vj = &l->deviation[j];
+    const double *gi = l->bond[i].g, *gj = l->bond[j].g;
+    double sum = i == j ? vi->w : 0.0;
+    sum -=
+        vi->w * (vj->origin + dot3(gj, vi->xi)) + vj->w * (vi->origin + dot3(gi, vj->xi));
+    sum += s->W * vi->origin * vj->origin + vi->origin * dot3(gj, s->m) +
+           vj->origin * dot3(gi, s->m) + dot3(gi, s->Kg);
     return l->s * sum;
 }
 
@@ -113,6 +134,9 @@ static ph_status add_point(columns *c, ptrdiff_t j, ph_error *err)
         unit_strain(l, &l->bond[j], a, e);
         ph_i_hooke(l->map, l->map->index[p->cell], e, CB[a]);
     }
+    bool deviates = l->deviation && p->family;
+    moments sums = {0};
+    if (deviates) sums = moments_of(l, p, j);
     for (ptrdiff_t i = p->first; i < p[1].first; i++) {
         PH_TRY(block_of(c, l->bond[i].node, &block, err));
         for (int r = 0; r < l->nd; r++) {
@@ -124,8 +148,8 @@ static ph_status add_point(columns *c, ptrdiff_t j, ph_error *err)
                 block[r * l->nd + a] += p->share * t;
             }
         }
-        if (!l->deviation || !p->family) continue;
-        double t = deviation_entry(l, p, i, j);
+        if (!deviates) continue;
+        double t = deviation_entry(l, &sums, i, j);
         for (int r = 0; r < l->nd; r++)
             block[r * l->nd + r] += t;
     }

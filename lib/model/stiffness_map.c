@@ -28,16 +28,40 @@ static void store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
     map->hooke[entry] = classify(c);
 }
 
+/* Solid that a cell with any of it has at least. A node among holes and slivers hangs on the
+ * slivers alone, an eigenvalue as small as their share: with the exact share the iterations
+ * of a square array of holes (0.4) grow with the grid, 106, 171, 423 at 64, 128, 256 nodes;
+ * with this one they are 58, 67, 80, and the worst error falls from 0.24, 0.20, 0.12 to 0.14,
+ * 0.10, 0.06 %. */
+static const double least_solid = 0.05;
+
+/* The fraction that cut `c` gets over a cell of which `solid` is not void; updates it. */
+static double cut_fraction(const ph_cut *c, bool hole, double *solid)
+{
+    double f = c->fraction;
+    if (hole && *solid > 0.0) {
+        double left = fmin(*solid, fmax(least_solid, *solid * (1.0 - f)));
+        f = 1.0 - left / *solid;
+        *solid = left;
+    } else if (!hole) {
+        if (*solid == 0.0) f = fmax(f, least_solid);
+        *solid = f + (1.0 - f) * *solid;
+    }
+    return f;
+}
+
 /* Stiffness of one cut cell: its cuts in painting order, each a laminate. */
 static ph_status mix(const ph_cut *cut, ptrdiff_t n, const ph_sym4 *phase, ph_sym4 *out,
                      ph_error *err)
 {
     ph_status st = PH_OK;
     *out = phase[cut[0].base];
+    double solid = ph_sym4_norm(out) > 0.0;
     for (ptrdiff_t i = 0; i < n; i++) {
         ph_sym4 under = *out;
-        PH_TRY(ph_sym4_laminate(&under, &phase[cut[i].material], cut[i].fraction,
-                                cut[i].normal, out, err));
+        const ph_sym4 *over = &phase[cut[i].material];
+        double f = cut_fraction(&cut[i], ph_sym4_norm(over) == 0.0, &solid);
+        PH_TRY(ph_sym4_laminate(&under, over, f, cut[i].normal, out, err));
     }
 out:
     return st;
