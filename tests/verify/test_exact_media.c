@@ -17,7 +17,7 @@ static ph_problem planned(const ph_microstructure *micro, int plan)
 }
 
 /* Blocks of 1/8 of the cell, 0 or 1 by a table; antiplane moduli of phases 1 and 5. */
-static void block_moduli(const int block[8][8], bool swap, ptrdiff_t n, int plan,
+static void block_moduli(int block[8][8], bool swap, ptrdiff_t n, int plan,
                          double G[2][2])
 {
     ph_error err = PH_ERROR_INIT;
