@@ -820,6 +820,26 @@ def draw_readme(h5):
     fig.tight_layout()
     save(fig, "boron-aluminium.png")
 
+@figure
+def tutorial():
+    """The two pictures of the tutorial, which the program itself makes."""
+    examples = ROOT / "docs/examples"
+    with tempfile.TemporaryDirectory() as folder:
+        def call(*command):
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=folder)
+        call(ARGS.perihom, "run", examples / "fibre.yaml", "-q", "-o", "fibre", "--set",
+             "output.fields=true", "--set", grid(256))
+        call(ARGS.perihom, "view", "fibre", "--load", "11", "--field", "stress11")
+        call(sys.executable, examples / "twelve_fibres.py")
+        case = Path(folder) / "twelve_fibres.yaml"
+        case.write_text((examples / "twelve_fibres.yaml").read_text())
+        call(ARGS.perihom, "run", case, "-q", "-o", "voxels")
+        (PICTURES / "tutorial-stress11.png").write_bytes(
+            (Path(folder) / "fibre/stress11-load11.png").read_bytes())
+        (PICTURES / "tutorial-voxels.png").write_bytes(
+            (Path(folder) / "voxels/phases.png").read_bytes())
+
+
 # ---- main ------------------------------------------------------------------------------
 
 def main():
