@@ -45,16 +45,22 @@ static const char *reason(char text[160])
 }
 
 /* At most so many bytes of values are in the file: what the dataset says it stores, but not
- * more than the file has; times what filters may have shrunk. */
-static size_t most_bytes(hid_t file, hid_t set)
+ * more than the file has; times what the filters of chunks may have shrunk. 0 if a chunk,
+ * which HDF5 holds in memory as a whole, would be larger than that. */
+static size_t most_bytes(hid_t file, hid_t set, size_t bytes)
 {
-    hsize_t stored = H5Dget_storage_size(set), size = 0;
+    hsize_t stored = H5Dget_storage_size(set), size = 0, chunk[3] = {1, 1, 1};
     hid_t creation = H5Dget_create_plist(set);
-    bool filtered = creation >= 0 && H5Pget_nfilters(creation) > 0;
+    bool chunked = creation >= 0 && H5Pget_layout(creation) == H5D_CHUNKED;
+    bool filtered = chunked && H5Pget_nfilters(creation) > 0;
+    if (chunked && H5Pget_chunk(creation, 3, chunk) < 0) chunk[0] = 0;
     if (creation >= 0) H5Pclose(creation);
     if (H5Fget_filesize(file, &size) < 0) return 0;
     stored = stored < size ? stored : size;
-    return (size_t)stored * (filtered ? FILTER_MOST : 1);
+    size_t most = (size_t)stored * (filtered ? FILTER_MOST : 1), left = most / bytes;
+    for (int a = 0; a < 3; a++)
+        left = chunk[a] > 0 ? left / (size_t)chunk[a] : 0;
+    return left > 0 ? most : 0;
 }
 
 /* Checked against what is stored before anything is allocated. */
@@ -74,7 +80,7 @@ static ph_status find_shape(hid_t file, hid_t set, size_t bytes, ph_voxel_data *
         PH_CHECK(dims[a] <= PTRDIFF_MAX, PH_EINVAL, "the dataset is too large");
         v->n[a] = (ptrdiff_t)dims[a];
     }
-    PH_TRY(ph_i_voxels_alloc(v, bytes, most_bytes(file, set), err));
+    PH_TRY(ph_i_voxels_alloc(v, bytes, most_bytes(file, set, bytes), err));
 out:
     if (space >= 0) H5Sclose(space);
     return st;

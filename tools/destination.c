@@ -90,7 +90,7 @@ out:
     return st;
 }
 
-static ph_status make_folders(const char *dir, ph_error *err)
+ph_status destination_make(const char *dir, ph_error *err)
 {
     ph_status st = PH_OK;
     char at[DESTINATION_PATH];
@@ -114,7 +114,7 @@ ph_status destination_open(destination *d, const char *dir, ph_error *err)
     ph_status st = PH_OK;
     *d = (destination){0};
     d->made = access(dir, F_OK) != 0;
-    PH_TRY(make_folders(dir, err));
+    PH_TRY(destination_make(dir, err));
     snprintf(d->dir, sizeof d->dir, "%s", dir);
     snprintf(d->stage, sizeof d->stage, "%s/.writing-XXXXXX", dir);
     if (!mkdtemp(d->stage)) {

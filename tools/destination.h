@@ -22,6 +22,8 @@ void destination_default(const char *case_path, char dir[DESTINATION_PATH]);
  *          folder, no permission. */
 ph_status destination_check(const char *dir, const char *case_json, bool force,
                             ph_error *err);
+/** Make `dir` with its parents; one that is there is fine. */
+ph_status destination_make(const char *dir, ph_error *err);
 /** Make `dir` with its parents, and the stage in it. */
 ph_status destination_open(destination *d, const char *dir, ph_error *err);
 /** Path of a file in the stage. */

@@ -45,6 +45,9 @@ typedef struct ph_microstructure {
     uint16_t *phase; /* [cells] material at the cell's centre */
     ptrdiff_t ncuts;
     ph_cut *cuts; /* sorted by cell, then painting order; empty for node_centre */
+    /* [cells] number of the filler that a cell belongs to, from 1; 0: none. NULL where
+     * nothing was generated. Bonds ask for it. */
+    int32_t *owner;
 } ph_microstructure;
 
 /** A box of material 0 everywhere. Copies `materials`. */

@@ -165,6 +165,7 @@ ph_status ph_i_direct_init(const ph_system *system, void **state, ph_error *err)
     s->op = system->op;
     s->meter = system->meter;
     s->setting = system->setting;
+    PH_TRY(ph_i_operator_in_space(s->op, err));
     size_t size = (size_t)field_size(s);
     PH_DOUBLES(s->x, s->meter, size, "the solution");
     PH_DOUBLES(s->r, s->meter, size, "the residual");

@@ -86,6 +86,7 @@ ph_status ph_i_relaxation_init(const ph_system *system, void **state, ph_error *
     s->op = system->op;
     s->meter = system->meter;
     s->setting = system->setting;
+    PH_TRY(ph_i_operator_in_space(s->op, err));
     PH_TRY(ph_i_space_init(&s->space, &s->op->layout, NULL, s->op->threads, err));
     double **field[] = {&s->inverse, &s->u, &s->v, &s->f, &s->b, &s->before};
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)

@@ -66,6 +66,7 @@ void ph_microstructure_free(ph_microstructure **micro)
     free(m->materials);
     free(m->phase);
     free(m->cuts);
+    free(m->owner);
     free(m);
     *micro = NULL;
 }

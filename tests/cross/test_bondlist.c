@@ -71,6 +71,7 @@ static void compare(random_case *c, ph_route route, uint64_t *seed, const char *
     CHECK_OK(ph_i_operator_new(g, c->map, &c->params, &c->meter, &op, &err));
     if (op) CHECK_OK(ph_i_operator_in_space(op, &err));
     CHECK_OK(ph_i_bondlist_new(g, c->map, &c->params, &c->meter, &list, &err));
+    if (op) CHECK_OK(ph_i_operator_in_space(op, &err));
     if (op && list) {
         ph_i_operator_apply(op, u, f);
         ph_i_bondlist_apply(list, u, want);
