@@ -21,6 +21,11 @@ static double now(void)
 void ph_i_run_clear(ph_run *r)
 {
     if (r->solver && r->state) r->solver->free(&r->state);
+    size_t n = r->op ? (size_t)(r->op->layout.nd * r->op->layout.cells) : 0;
+    for (int a = 0; a < 6; a++)
+        ph_i_doubles_free(&r->meter, &r->kept[a], n);
+    ph_i_doubles_free(&r->meter, &r->residual, n);
+    ph_i_doubles_free(&r->meter, &r->product, n);
     ph_i_operator_free(&r->op);
     ph_family_free(&r->family);
     ph_i_stiffness_map_free(&r->meter, &r->map);

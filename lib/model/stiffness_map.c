@@ -67,11 +67,14 @@ out:
     return st;
 }
 
+/* An ordinary phase (nu up to 0.45) has a mean eigenvalue within this of its smallest. */
+static const double most_of_least = 3.0;
+
 /* Contrast, softest and middle tensor of the phases that are there. */
 static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *used)
 {
     double low_min = INFINITY, low_max = 0.0, high_min = INFINITY, high_max = 0.0;
-    double softest = INFINITY, stiffest = 0.0;
+    double softest = INFINITY, weakest = INFINITY, stiffest = 0.0;
     int soft = -1, stiff = -1;
     for (int p = 0; p < map->materials; p++) {
         if (!used[p]) continue;
@@ -87,10 +90,13 @@ static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *use
         low_max = fmax(low_max, low);
         high_min = fmin(high_min, high);
         high_max = fmax(high_max, high);
-        if (trace < softest) softest = trace, soft = p;
+        /* Near incompressibility the trace is bulk modulus, which no hourglass sees. */
+        softest = fmin(softest, fmin(trace, most_of_least * low));
+        if (trace < weakest) weakest = trace, soft = p;
         if (trace > stiffest) stiffest = trace, stiff = p;
     }
     map->contrast = soft < 0 ? 1.0 : fmax(low_max / low_min, high_max / high_min);
+    map->least_contrast = soft < 0 ? 1.0 : low_max / low_min;
     map->softest = soft < 0 ? 0.0 : softest;
     if (soft >= 0) map->middle = ph_sym4_combine(0.5, &phase[soft], 0.5, &phase[stiff]);
     map->middle.n = map->ns;

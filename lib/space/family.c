@@ -140,6 +140,8 @@ static ph_status check_reach(const ph_grid *grid, const ph_family *f, ph_error *
              "horizon %g is too small for this grid: at least %g (%s)", f->horizon, least,
              f->points == PH_POINTS_STRESS ? "half the diagonal of a cell"
                                            : "the largest spacing");
+    /* Half a diagonal reaches the corners of the cell and nothing else, however flat it is. */
+    if (f->points == PH_POINTS_STRESS && f->horizon <= least * (1.0 + 1e-9)) return PH_OK;
     for (int d = 0; d < 3; d++)
         PH_CHECK(!f->active[d] || f->horizon <= 0.5 * grid->size[d] * (1.0 + 1e-9) ||
                      f->horizon <= 2.0 * grid->h[d] * (1.0 + 1e-9),
