@@ -191,9 +191,11 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     PH_TRY(ph_i_fft_new(&op->layout, op->threads, &op->fft, err));
     op->modes = ph_i_fft_modes(op->fft);
     size_t cells = (size_t)op->layout.cells, nd = (size_t)op->layout.nd;
-    PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
-    PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     op->route = choose_route(&op->layout, p);
+    op->shares_f =
+        op->route == PH_ROUTE_CONVOLUTION && p->stabilisation != PH_STABILISE_SUBPOINT;
+    PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
+    if (!op->shares_f) PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
         op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
         PH_TRY(ph_i_bondlist_new(box, map, p, meter, &op->bonds, err));
@@ -201,6 +203,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
         return st;
     }
     PH_TRY(new_family_part(op, p, err));
+    if (op->shares_f) op->f = op->e; /* forces are needed only when strains are not */
     if (p->stabilisation == PH_STABILISE_SUBPOINT && op->route != PH_ROUTE_CELLS)
         PH_TRY(new_simplices(op, box, err));
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
@@ -230,7 +233,7 @@ void ph_i_operator_free(ph_operator **out)
     for (int i = 0; i < op->nsub; i++)
         ph_i_stencil_free(&op->sub[i]);
     ph_i_doubles_free(op->meter, &op->u, nd * cells);
-    ph_i_doubles_free(op->meter, &op->f, nd * cells);
+    if (!op->shares_f) ph_i_doubles_free(op->meter, &op->f, nd * cells);
     ph_i_doubles_free(op->meter, &op->e, (size_t)op->layout.ns * cells);
     ph_i_doubles_free(op->meter, &op->spectral, (size_t)op->modes);
     ph_i_doubles_free(op->meter, &op->hat, 2 * nd * (size_t)op->modes);

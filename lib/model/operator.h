@@ -31,6 +31,7 @@ typedef struct ph_operator {
     double *spectral; /* [modes] S(k), or NULL */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */
+    bool shares_f;      /* f is the beginning of e */
     double *e;          /* [ns][cells], stencil and convolution */
     double *pad;        /* stencil */
     double *hat, *hat2; /* [nd][modes] complex, where fields pass through Fourier space */
