@@ -8,7 +8,7 @@ Needs python3-matplotlib (Debian). Figures go to docs/pictures; a table replaces
 its page between `<!-- table: NAME -->` and `<!-- end -->`. Every number comes from a run of the
 program or from a file of data/reference. Answers are kept in --cache, by case text, overrides and
 version, so that only what changed is computed again; delete the folder to start afresh.
-Everything from an empty cache: about a quarter of an hour on two cores."""
+Everything from an empty cache: about two minutes of processor time."""
 import argparse
 import csv
 import hashlib
