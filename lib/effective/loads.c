@@ -10,15 +10,17 @@ enum { DEFAULT_ITERATIONS = 2000 };
 /* A load below this share of the forces that its stresses could make is round-off. */
 static const double no_load = 1e-13;
 
-static bool load_is_nothing(const ph_run *r)
+static bool load_is_nothing(const ph_run *r, bool by_stress)
 {
     ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
     double sum = 0.0, stiffest = 0.0, least = INFINITY;
     const uint8_t *held = r->setting.fixed; /* their forces are reactions */
     for (ptrdiff_t x = 0; x < n; x++)
         if (!held || !held[x % cells]) sum += r->load[x] * r->load[x];
-    for (int i = 0; i < r->map->ns * r->map->ns * (r->map->materials); i++)
+    for (int i = 0; i < r->map->ns * r->map->ns * r->map->materials; i++)
         stiffest = fmax(stiffest, fabs(r->map->c[i]));
+    if (by_stress)
+        stiffest = 1.0; /* the stress that pulls is one, whatever the material */
     for (int d = 0; d < 3; d++)
         if (r->setting.box.n[d] > 1) least = fmin(least, r->setting.box.h[d]);
     return sqrt(sum) <= no_load * stiffest / least * sqrt((double)n);
@@ -123,7 +125,7 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
         ph_i_operator_load(r->op, macro, r->load);
     else
         ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
-    if (load_is_nothing(r))
+    if (load_is_nothing(r, !macro))
         memset(r->u, 0,
                sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
     else
