@@ -26,7 +26,6 @@ static bool load_is_nothing(const ph_run *r, bool by_stress)
     return sqrt(sum) <= no_load * stiffest / least * sqrt((double)n);
 }
 
-/* Voigt component i of Mandel values: strain (engineering shear) or stress. */
 /* A macro stress is prescribed, but for components that no displacement of this grid can
  * produce (33 of generalised plane strain): there it is the strain. */
 bool ph_i_run_by_stress(const ph_run *r, int load)
