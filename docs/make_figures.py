@@ -599,7 +599,8 @@ def stabilisation():
         axes[1].loglog(thetas, [ba_worst(got[n, "theta", t])[0] for t in thetas], line,
                        marker="^", color=GREEN, label=f"stress points, {n}²")
     axes[0].axvline(1e-5, color="#888888", lw=1, ls=":")
-    axes[1].axvline(0.05, color="#888888", lw=1, ls=":")
+    for theta in (0.01, 0.05):
+        axes[1].axvline(theta, color="#888888", lw=1, ls=":")
     axes[0].set(xlabel="alpha of (S) [-]", ylabel="worst error of six constants [%]",
                 title="spectral")
     axes[1].set(xlabel="theta of (P) [-]", title="sub-point")
