@@ -19,9 +19,10 @@ typedef struct ph_stiffness_map {
     int32_t *index;  /* [cells] into c */
     bool has_void;
     double contrast; /* of the phases; 1: homogeneous; voids not counted */
-    double least_contrast; /* of their smallest eigenvalues: what is soft or rigid, not what
+    double
+        least_contrast; /* of their smallest eigenvalues: what is soft or rigid, not what
                             * is only nearly incompressible */
-    double softest;  /* trace / ns of the softest solid phase */
+    double softest;     /* trace / ns of the softest solid phase */
     ph_sym4 middle; /* mean of the stiffest and the softest solid: the reference medium */
 } ph_stiffness_map;
 
