@@ -9,7 +9,7 @@
 #include <time.h>
 
 /* Fewer cells than this do not pay for another thread; the result has the same bits. */
-enum { CELLS_PER_THREAD = 16384 };
+enum { CELLS_PER_THREAD = 8192 };
 
 static double now(void)
 {
