@@ -41,6 +41,8 @@ unsigned ph_i_run_all_loads(const ph_result *result);
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);
 ph_status ph_i_run_stiffness(ph_run *run, ph_error *err);
+/** A load did not converge: the columns of those before it. */
+void ph_i_run_solved_columns(ph_run *run);
 /** Is component `load` of a by_stress constraint a stress? A macro stress is prescribed, but
  *  for components that no displacement of this grid can produce (33 of generalised plane
  *  strain): there it is the strain. */

@@ -134,6 +134,7 @@ static bool is_smallest(const ph_family *f)
     ptrdiff_t corners = 1;
     for (int d = 0; d < 3; d++)
         if (f->active[d]) corners *= 2;
+    if (corners == 1) return true; /* one cell: no bonds at all */
     return f->points == PH_POINTS_STRESS && f->count == corners;
 }
 

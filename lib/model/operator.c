@@ -24,6 +24,7 @@ static int dimensions(const ph_layout *l)
 static double hourglass_coefficient(const ph_layout *l, double alpha, double softest)
 {
     double corners = pow(2.0, dimensions(l));
+    if (dimensions(l) == 0) return 0.0;
     return alpha * softest * dimensions(l) / (corners * corners * sum_squares_half(l));
 }
 
@@ -99,7 +100,7 @@ static ph_status new_spectral(ph_operator *op, double alpha, ph_error *err)
                              (const double(*)[3])fam->g, d, real, g[d]);
     }
     double trace = fam->K[0][0] + fam->K[1][1] + fam->K[2][2];
-    double s = alpha * op->map->softest * dimensions(l) / trace;
+    double s = trace > 0.0 ? alpha * op->map->softest * dimensions(l) / trace : 0.0;
     double(*w)[3] = NULL;
     PH_ALLOC(w, fam->count, "bond weights");
     for (ptrdiff_t b = 0; b < fam->count; b++)
