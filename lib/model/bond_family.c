@@ -50,11 +50,26 @@ typedef struct recipe {
     int dimension;
 } recipe;
 
+/* Share of the cell at xi in the ball. The rule is asked in one order of the axes, so that
+ * a quadrature of its own leaves the lattice its symmetry to the last digit. */
+static double share(const recipe *r, const double xi[3])
+{
+    double at[3] = {0, 0, 0}, h[3] = {1, 1, 1};
+    for (int d = 0; d < r->dimension; d++) { /* insertion by width, then distance */
+        double x = fabs(xi[d]), w = r->grid->h[d];
+        int i = d;
+        for (; i > 0 && (h[i - 1] > w || (h[i - 1] == w && at[i - 1] > x)); i--)
+            at[i] = at[i - 1], h[i] = h[i - 1];
+        at[i] = x, h[i] = w;
+    }
+    return r->weight->eval(at, h, r->active, r->horizon);
+}
+
 static double spring(const recipe *r, const double xi[3])
 {
     double len = length(xi);
     if (len == 0.0) return 0.0;
-    double beta = r->weight->eval(xi, r->grid->h, r->active, r->horizon);
+    double beta = share(r, xi);
     if (beta < smallest_weight) return 0.0;
     return r->scale * beta * r->profile->eval(len / r->horizon, r->power) /
            (len * len * len);
