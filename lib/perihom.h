@@ -18,6 +18,7 @@
 #ifndef PERIHOM_H
 #define PERIHOM_H
 
+#include <perihom/bond.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
 #include <perihom/error.h>
