@@ -20,6 +20,7 @@
 
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
+#include <perihom/distribution.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>

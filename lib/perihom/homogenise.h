@@ -30,6 +30,7 @@ typedef struct ph_model_params {
     const char *weights;    /* in ph_volume_weights[]; NULL: "linear" */
     ph_stabilisation stabilisation;
     double stabilisation_value; /* alpha or theta; 0: default */
+    double kappa; /* model bond: interphase factor of bonds matrix-filler; 0: not given */
 } ph_model_params;
 
 /** How the equations are solved. Zeroed: all defaults. */
