@@ -115,11 +115,14 @@ static json_t *microstructure_to_json(const ph_case *c, bool *good)
     } else {
         put(map, "matrix", json_string(c->materials[c->matrix].name), good);
         put(map, "inclusions", json_incref(inclusions), good);
+        if (c->nfillers > 0) put(map, "fillers", ph_i_fillers_to_json(c, good), good);
     }
     json_decref(nodes);
     json_decref(inclusions);
     put(map, "interface", json_string(ph_i_interface_names.name[c->interface]), good);
     put(map, "seed", json_integer((json_int_t)c->seed), good);
+    if (c->nfillers > 0)
+        put(map, "realisation", json_integer((json_int_t)c->realisation), good);
     return map;
 }
 
