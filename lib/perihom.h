@@ -18,8 +18,10 @@
 #ifndef PERIHOM_H
 #define PERIHOM_H
 
+#include <perihom/bond.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
+#include <perihom/distribution.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>

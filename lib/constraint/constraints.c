@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "constraint/constraint.h"
-#include "model/stiffness_map.h"
+#include "model/models.h"
 
 #include <string.h>
 
@@ -82,6 +82,18 @@ static int reach_of(const ph_problem *p, const ph_family *family, int d)
     return p->micro->grid.n[d] == 1 ? 0 : family ? family->reach[d] : 1;
 }
 
+/* Averages over the RVE alone. */
+static void average_rve(const ph_problem *p, ph_setting *s)
+{
+    const ptrdiff_t *n = s->box.n, *rve = p->micro->grid.n;
+    s->averaged = ph_grid_cells(&p->micro->grid);
+    for (ptrdiff_t x = 0; x < ph_grid_cells(&s->box); x++) {
+        ptrdiff_t at[3] = {x / n[2] / n[1], x / n[2] % n[1], x % n[2]};
+        for (int d = 0; d < 3; d++)
+            if (at[d] < s->first[d] || at[d] >= s->first[d] + rve[d]) s->region[x] = 0;
+    }
+}
+
 /* Hold the nodes outside [low, high) of the RVE, axis by axis. */
 static ph_status hold_nodes(const ph_problem *p, const ptrdiff_t low[3],
                             const ptrdiff_t high[3], ph_setting *s, ph_error *err)
@@ -110,12 +122,15 @@ out:
  * happen to vanish near the faces, so that periodic <= linear_displacement holds exactly.
  *
  * Outside: every node of the RVE is free, and averages are exact over the RVE and the layer
- * of points around it that its nodes move, with the material that stands there. */
+ * of points around it that its nodes move, with the material that stands there. Bonds
+ * between pairs: a frame of one horizon, and averages over the RVE alone. */
 static ph_status linear_displacement(const ph_problem *p, const ph_family *family,
                                      ph_setting *s, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_grid *rve = &p->micro->grid;
+    const ph_model_method *model = ph_i_model_find(p->model.kind);
+    bool pairs = model && model->pairwise;
     bool nodes = family && family->points == PH_POINTS_NODES;
     bool inside = p->constraint.collar == PH_COLLAR_INSIDE;
     int layers[3], margin[3];
@@ -132,10 +147,12 @@ static ph_status linear_displacement(const ph_problem *p, const ph_family *famil
                  "boundary volume of %d on each side",
                  d + 1, rve->n[d], margin[d]);
     }
+    if (pairs) margin[0] = margin[1] = margin[2] = 0; /* the frame is as wide as a bond */
     if (inside)
         PH_TRY(periodic(p, family, s, err));
     else
         PH_TRY(embed(p, layers, margin, true, s, err));
+    if (!inside && pairs) average_rve(p, s);
     PH_TRY(hold_nodes(p, low, high, s, err));
 out:
     return st;

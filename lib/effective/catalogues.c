@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every catalogue of the library in one table. */
+#include <perihom/distribution.h>
 #include <perihom/estimates.h>
 
 #include "model/models.h"
@@ -13,10 +14,16 @@ static const ph_catalogue catalogues[] = {
      sizeof *ph_solvers},
     {"influences", "influence functions of the bond length", ph_influences,
      &ph_ninfluences, sizeof *ph_influences},
+    {"micromoduli", "bond-based: stiffness of a bond by its length", ph_micromoduli,
+     &ph_nmicromoduli, sizeof *ph_micromoduli},
+    {"calibrations", "bond-based: what is exact on the lattice", ph_calibrations,
+     &ph_ncalibrations, sizeof *ph_calibrations},
     {"volume_weights", "share of a cell in the family ball", ph_volume_weights,
      &ph_nvolume_weights, sizeof *ph_volume_weights},
     {"estimates", "analytic bounds and estimates", ph_estimate_methods,
      &ph_nestimate_methods, sizeof *ph_estimate_methods},
+    {"distributions", "how a quantity of random fillers varies", ph_distributions,
+     &ph_ndistributions, sizeof *ph_distributions},
     {NULL, NULL, NULL, NULL, 0},
 };
 

@@ -28,6 +28,7 @@ void ph_i_run_clear(ph_run *r)
     ph_i_doubles_free(&r->meter, &r->product, n);
     ph_i_operator_free(&r->op);
     ph_family_free(&r->family);
+    ph_i_bond_classes_free(&r->classes);
     ph_i_stiffness_map_free(&r->meter, &r->map);
     ph_i_setting_clear(&r->setting);
 }
@@ -183,8 +184,20 @@ ph_status ph_i_run_begin(ph_run *r, ph_error *err)
     if (r->threads > worth) r->threads = (int)worth;
     r->constraint = ph_i_constraint_find(p->constraint.kind);
     PH_CHECK(r->constraint, PH_EINVAL, "unknown constraint '%s'", p->constraint.kind);
+    const ph_model_method *model = ph_i_model_find(p->model.kind);
+    bool mixes = p->interface == PH_INTERFACE_COMPOSITE && p->micro->ncuts > 0;
+    if (model && model->pairwise &&
+        !r->constraint->analytic) { /* a node is one material */
+        r->own = *p;
+        r->own.interface = PH_INTERFACE_NODE_CENTRE;
+        r->problem = p = &r->own;
+    } else
+        mixes = false;
     PH_TRY(new_result(p, &r->result, err));
     r->result->constraint = r->constraint->info.name;
+    if (mixes)
+        ph_i_note(r->result,
+                  "interface: node_centre (the end of a bond is one material)");
 out:
     return st;
 }
@@ -202,12 +215,20 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
              "every phase of the microstructure is void: its stiffness is zero");
     PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
                              res, err));
+    PH_CHECK(!(res->bond.present && r->constraint->by_stress), PH_EINVAL,
+             "model bond does not take %s: bonds that are missing at the faces make the "
+             "material soft there. Take periodic or linear_displacement, or model nosb",
+             r->constraint->info.name);
     res->model = ph_i_model_find(p->model.kind)->info.name;
     res->points = r->family ? r->family->points : PH_POINTS_STRESS;
     res->horizon = r->family ? r->family->horizon : 0.0;
     res->stabilisation = r->params.stabilisation;
     res->stabilisation_value = r->params.value;
     PH_TRY(r->constraint->prepare(p, r->family, &r->setting, err));
+    if (res->bond.present)
+        PH_TRY(ph_i_bond_classes_new(p->micro, p->model.kappa, r->setting.source,
+                                     ph_grid_cells(&r->setting.box), &r->classes, err));
+    r->params.classes = r->classes;
     if (r->setting.source) {
         ph_i_stiffness_map_free(&r->meter, &r->map);
         PH_TRY(ph_i_stiffness_map_new(p->micro, p->interface, r->setting.source,
@@ -278,7 +299,7 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
         return PH_OK;
     }
     PH_TRY(ph_i_run_prepare(r, err));
-    if (!r->problem->keep_fields && ph_i_run_is_homogeneous(r)) {
+    if (!r->problem->keep_fields && !res->bond.present && ph_i_run_is_homogeneous(r)) {
         analytic_answer(res, &res->voigt, "the cell is homogeneous");
         return PH_OK;
     }

@@ -34,7 +34,7 @@ ph_status ph_i_run_keep_fields(ph_run *r, int load, const double *macro, ph_erro
     const ph_layout *l = &r->op->layout;
     const ph_grid *g = &r->result->grid, *box = &r->setting.box;
     ptrdiff_t cells = ph_grid_cells(g), x = 0;
-    double *strain = NULL;
+    double *strain = NULL, *stress = NULL;
     ph_fields *f = &r->result->fields[r->result->nfields];
     f->load = load;
     f->nu = l->nd;
@@ -44,7 +44,8 @@ ph_status ph_i_run_keep_fields(ph_run *r, int load, const double *macro, ph_erro
     PH_ALLOC(f->strain, l->ns * cells, "the strain field");
     PH_ALLOC(f->stress, l->ns * cells, "the stress field");
     PH_DOUBLES(strain, &r->meter, (size_t)(l->ns * l->cells), "the strain field");
-    ph_i_operator_strain(r->op, r->u, macro, strain);
+    PH_DOUBLES(stress, &r->meter, (size_t)(l->ns * l->cells), "the stress field");
+    PH_TRY(ph_i_operator_fields(r->op, r->u, macro, strain, stress, err));
     double scale = per_voigt_unit(r, load);
     macro_strain_of(r, load, scale, f->macro_strain);
     double shift = r->result->points == PH_POINTS_NODES ? 0.5 : 0.0;
@@ -52,17 +53,15 @@ ph_status ph_i_run_keep_fields(ph_run *r, int load, const double *macro, ph_erro
         for (ptrdiff_t j = 0; j < g->n[1]; j++)
             for (ptrdiff_t k = 0; k < g->n[2]; k++, x++) {
                 ptrdiff_t at[3] = {i, j, k}, b = 0;
-                double pos[3], e[6], s[6];
+                double pos[3];
                 for (int d = 0; d < 3; d++) {
                     b = b * box->n[d] + at[d] + r->setting.first[d];
                     pos[d] = g->n[d] > 1 ? ((double)at[d] + shift) * g->h[d] : 0.0;
                 }
-                for (int a = 0; a < l->ns; a++)
-                    e[a] = strain[a * l->cells + b];
-                ph_i_hooke(r->map, r->map->index[b], e, s);
                 for (int a = 0; a < l->ns; a++) {
-                    f->strain[a * cells + x] = scale * to_voigt(l->ns, a, e[a], true);
-                    f->stress[a * cells + x] = scale * to_voigt(l->ns, a, s[a], false);
+                    double e = strain[a * l->cells + b], t = stress[a * l->cells + b];
+                    f->strain[a * cells + x] = scale * to_voigt(l->ns, a, e, true);
+                    f->stress[a * cells + x] = scale * to_voigt(l->ns, a, t, false);
                 }
                 for (int a = 0; a < l->nd; a++) {
                     double u = r->u[a * l->cells + b];
@@ -75,5 +74,6 @@ ph_status ph_i_run_keep_fields(ph_run *r, int load, const double *macro, ph_erro
             }
 out:
     ph_i_doubles_free(&r->meter, &strain, (size_t)(l->ns * l->cells));
+    ph_i_doubles_free(&r->meter, &stress, (size_t)(l->ns * l->cells));
     return st;
 }

@@ -36,13 +36,28 @@ bool ph_i_run_by_stress(const ph_run *r, int load)
     return r->constraint->by_stress && (n[axes[a][0]] > 1 || n[axes[a][1]] > 1);
 }
 
-/* Averages of a solved load: its column, and what the energies say. */
-static void take_column(ph_run *r, int load, const double *macro, const double *unit)
+/* The same column from the forces on the faces of an RVE with a frame around it. */
+static void take_reactions(ph_run *r, int load, const double *macro)
 {
+    double stress[6];
+    ph_i_springs_reactions(r->op->springs, r->setting.first, r->result->grid.n, r->u,
+                           macro, stress);
+    r->result->bond.has_reactions = true;
+    r->result->bond.reactions.n = r->map->ns;
+    for (int i = 0; i < r->map->ns; i++)
+        r->result->bond.reactions.m[i][load] = stress[i];
+}
+
+/* Averages of a solved load: its column, and what the energies say. */
+static ph_status take_column(ph_run *r, int load, const double *macro, const double *unit,
+                             ph_error *err)
+{
+    ph_status st = PH_OK;
     int ns = r->map->ns;
     double stress[6], strain[6], work = 0.0, off = 0.0, size = 0.0;
     ph_cell_energy e;
-    ph_i_operator_sums(r->op, r->u, macro, r->setting.region, stress, strain, &e);
+    PH_TRY(ph_i_operator_sums(r->op, r->u, macro, r->setting.region, stress, strain, &e,
+                              err));
     double n = (double)r->setting.averaged;
     for (int i = 0; i < ns; i++) {
         stress[i] /= n;
@@ -70,6 +85,12 @@ static void take_column(ph_run *r, int load, const double *macro, const double *
     res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
     res->stabilisation_energy =
         fmax(res->stabilisation_energy, fabs(extra) / n / fabs(total));
+    for (int i = 0; r->op->springs && i < ns; i++)
+        res->bond.virial.m[i][load] = stress[i];
+    res->bond.virial.n = ns;
+    if (r->op->springs && r->setting.source) take_reactions(r, load, macro);
+out:
+    return st;
 }
 
 /* Above this contrast an average of stress is not good enough: with a residual r_b it is off
@@ -141,7 +162,8 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     if (r->kept[load])
         memcpy(r->u, r->kept[load],
                sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
-    take_column(r, load, macro, unit);
+    ph_status taken = take_column(r, load, macro, unit, err);
+    if (taken != PH_OK) return taken;
     if (r->problem->keep_fields && st == PH_OK)
         st = ph_i_run_keep_fields(r, load, macro, err);
 out:

@@ -9,6 +9,7 @@
 /* Everything that one call makes and has to release. */
 typedef struct ph_run {
     const ph_problem *problem;
+    ph_problem own; /* model bond: the problem with the material at the nodes */
     const ph_ctx *ctx;
     int threads;
     ph_meter meter;
@@ -17,6 +18,7 @@ typedef struct ph_run {
     ph_stiffness_map *map;
     ph_operator_params params;
     ph_family *family;
+    ph_bond_classes *classes; /* model bond, or NULL */
     ph_operator *op;
     ph_system system;
     const ph_solver_method *solver;

@@ -115,11 +115,14 @@ static json_t *microstructure_to_json(const ph_case *c, bool *good)
     } else {
         put(map, "matrix", json_string(c->materials[c->matrix].name), good);
         put(map, "inclusions", json_incref(inclusions), good);
+        if (c->nfillers > 0) put(map, "fillers", ph_i_fillers_to_json(c, good), good);
     }
     json_decref(nodes);
     json_decref(inclusions);
     put(map, "interface", json_string(ph_i_interface_names.name[c->interface]), good);
     put(map, "seed", json_integer((json_int_t)c->seed), good);
+    if (c->nfillers > 0)
+        put(map, "realisation", json_integer((json_int_t)c->realisation), good);
     return map;
 }
 
@@ -128,6 +131,19 @@ static json_t *one(const char *key, double x, bool *good)
     json_t *map = json_object();
     put(map, key, json_real(x), good);
     return map;
+}
+
+static void bond_to_json(const ph_model_params *m, json_t *map, bool *good)
+{
+    const char *profile = m->micromodulus ? m->micromodulus : "constant";
+    put(map, "weights", json_string(m->weights ? m->weights : "exact"), good);
+    put(map, "micromodulus",
+        strcmp(profile, "power_law") == 0 ? one(profile, m->power, good)
+                                          : json_string(profile),
+        good);
+    put(map, "calibration", json_string(ph_i_calibration_names.name[m->calibration]),
+        good);
+    if (m->kappa > 0) put(map, "kappa", json_real(m->kappa), good);
 }
 
 static json_t *model_to_json(const ph_model_params *m, bool *good)
@@ -147,6 +163,12 @@ static json_t *model_to_json(const ph_model_params *m, bool *good)
         stabilisation =
             json_string(m->stabilisation == PH_STABILISE_NONE ? "none" : "auto");
     put(map, "kind", json_string(m->kind ? m->kind : "nosb"), good);
+    if (m->kind && strcmp(m->kind, "bond") == 0) {
+        json_decref(stabilisation);
+        put(map, "horizon", horizon, good);
+        bond_to_json(m, map, good);
+        return map;
+    }
     put(map, "points", json_string(ph_i_points_names.name[m->points]), good);
     put(map, "horizon", horizon, good);
     put(map, "influence", json_string(m->influence ? m->influence : "constant"), good);

@@ -8,9 +8,15 @@
 const ph_model_method ph_models[] = {
     {{"nosb", "non-ordinary state-based peridynamics, correspondence model",
       "Silling2007", "always"},
+     true,
+     false},
+    {{"bond", "bond-based peridynamics, linearised: springs between nodes",
+      "Silling2000 Ongaro2022", "nu = 1/3 in plane stress, 1/4 in plane strain and 3D"},
+     true,
      true},
     {{"local", "Q1 finite elements on the same grid: the local limit", "Leuschner2018",
       "always"},
+     false,
      false},
 };
 const size_t ph_nmodels = sizeof ph_models / sizeof *ph_models;
@@ -35,7 +41,8 @@ void ph_i_note(ph_result *result, const char *fmt, ...)
 /* Above this contrast the families of nodes need too many iterations. Measured: see the
  * page on stabilisation in the manual. */
 static const double high_contrast = 300.0;
-static const double default_alpha = 1e-5, default_theta = 0.01, default_spacings = 2.0;
+static const double default_alpha = 1e-5, default_theta = 0.01, default_spacings = 2.0,
+                    bond_spacings = 3.0;
 /* Around voids a little more is more accurate; where nodes are held the preconditioner must
  * not reach far above the operator, or the mask mixes what it separates. */
 static const double void_theta = 0.05, bounded_alpha = 1e-4;
@@ -138,6 +145,49 @@ static bool is_smallest(const ph_family *f)
     return f->points == PH_POINTS_STRESS && f->count == corners;
 }
 
+/* Everything of model bond; its bonds reach to images too. */
+static ph_status choose_bonds(const ph_problem *p, ph_operator_params *out,
+                              ph_family **family, ph_result *notes, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_model_params *m = &p->model;
+    const ph_grid *g = &p->micro->grid;
+    ph_bond_report *report = &notes->bond;
+    const char *profile = m->micromodulus ? m->micromodulus : ph_micromoduli[0].info.name;
+    const char *weights = m->weights ? m->weights : "exact";
+    const ph_micromodulus *c = by_name(&ph_micromoduli[0].info, sizeof *ph_micromoduli,
+                                       ph_nmicromoduli, profile);
+    const ph_volume_weight *be =
+        by_name(&ph_volume_weights[0].info, sizeof *ph_volume_weights, ph_nvolume_weights,
+                weights);
+    PH_CHECK(c, PH_EINVAL, "unknown micromodulus '%s'", profile);
+    PH_CHECK(be, PH_EINVAL, "unknown volume weight '%s'", weights);
+    PH_CHECK((size_t)m->calibration < ph_ncalibrations, PH_EINVAL,
+             "unknown calibration %d", (int)m->calibration);
+    PH_CHECK(m->points != PH_POINTS_STRESS, PH_EINVAL,
+             "model bond has no stress points: its forces act between nodes");
+    PH_CHECK(
+        m->stabilisation == PH_STABILISE_AUTO || m->stabilisation == PH_STABILISE_NONE,
+        PH_EINVAL, "model bond needs no stabilisation: bonds see every displacement");
+    PH_CHECK(!m->influence || strcmp(m->influence, "constant") == 0, PH_EINVAL,
+             "influence '%s' belongs to nosb; model bond has a micromodulus",
+             m->influence);
+    double horizon =
+        m->horizon > 0.0 ? choose_horizon(p, PH_POINTS_NODES) : bond_spacings * widest(g);
+    PH_TRY(ph_bond_family_new(g, horizon, c, m->power, be, m->calibration, family,
+                              &report->lattice, err));
+    out->family = *family;
+    report->present = true;
+    report->micromodulus = c->info.name;
+    report->calibration = ph_calibrations[m->calibration].info.name;
+    report->power = c == &ph_micromoduli[3] ? m->power : (double)NAN;
+    report->kappa = m->kappa > 0.0 ? m->kappa : (double)NAN;
+    ph_i_note(notes, "bonds: the lattice has nu = %.6g, Zener ratio %.6g",
+              report->lattice.nu, report->lattice.zener);
+out:
+    return st;
+}
+
 ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
                             bool bounded, ph_operator_params *out, ph_family **family,
                             ph_result *notes, ph_error *err)
@@ -149,6 +199,7 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
     out->stabilisation = PH_STABILISE_NONE;
     PH_CHECK(model, PH_EINVAL, "unknown model '%s'", p->model.kind);
     if (!model->has_family) return PH_OK;
+    if (model->pairwise) return choose_bonds(p, out, family, notes, err);
     const char *influence = p->model.influence ? p->model.influence : "constant";
     const char *weights = p->model.weights ? p->model.weights : "linear";
     const ph_influence *om =

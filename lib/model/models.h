@@ -7,6 +7,7 @@
 typedef struct ph_model_method {
     ph_entry info;
     bool has_family; /* bonds over a horizon, or neighbours only */
+    bool pairwise;   /* forces between pairs of nodes: springs */
 } ph_model_method;
 
 extern const ph_model_method ph_models[];

@@ -192,6 +192,16 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     PH_TRY(ph_i_fft_new(&op->layout, op->threads, &op->fft, err));
     op->modes = ph_i_fft_modes(op->fft);
     size_t cells = (size_t)op->layout.cells, nd = (size_t)op->layout.nd;
+    if (p->classes) { /* a medium of springs */
+        PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
+        PH_DOUBLES(op->f, meter, nd * cells, "a force field");
+        PH_TRY(ph_i_springs_new(&op->layout, op->fft, p->family, p->classes, p->route,
+                                op->threads, meter, &op->springs, err));
+        op->route = ph_i_springs_route(op->springs);
+        op->share = 1.0;
+        *out = op;
+        return st;
+    }
     op->route = choose_route(&op->layout, p);
     op->shares_f =
         op->route == PH_ROUTE_CONVOLUTION && p->stabilisation != PH_STABILISE_SUBPOINT;
@@ -231,6 +241,7 @@ void ph_i_operator_free(ph_operator **out)
     if (op->has_convolution) ph_i_convolution_clear(&op->convolution, op->meter);
     ph_i_stencil_free(&op->stencil);
     ph_i_bondlist_free(&op->bonds);
+    ph_i_springs_free(&op->springs);
     for (int i = 0; i < op->nsub; i++)
         ph_i_stencil_free(&op->sub[i]);
     ph_i_doubles_free(op->meter, &op->u, nd * cells);
@@ -326,6 +337,10 @@ static void apply_in_space(ph_operator *op, const double *u, const double *macro
         ph_i_cells_apply(&op->cells, u, macro, scale, f);
         return;
     }
+    if (op->springs) {
+        ph_i_springs_apply(op->springs, u, scale, f);
+        return;
+    }
     if (op->bonds) {
         ph_i_bondlist_apply(op->bonds, u, f);
         scale_field(op, scale, op->layout.nd * op->layout.cells, f);
@@ -387,6 +402,10 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
         ph_i_bondlist_load(op->bonds, macro, f);
         return;
     }
+    if (op->springs) {
+        ph_i_springs_load(op->springs, macro, f);
+        return;
+    }
     for (int i = 0; i < l->ns; i++)
         for (ptrdiff_t x = 0; x < l->cells; x++)
             op->e[i * l->cells + x] = macro[i];
@@ -435,6 +454,49 @@ void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
             strain[i * l->cells + x] += macro[i];
 }
 
+ph_status ph_i_operator_fields(ph_operator *op, const double *u, const double *macro,
+                               double *strain, double *stress, ph_error *err)
+{
+    if (op->springs)
+        return ph_i_springs_fields(op->springs, u, macro, stress, strain, NULL, err);
+    ph_i_operator_strain(op, u, macro, strain);
+    ph_i_hooke_field(op->map, op->threads, strain, stress);
+    return PH_OK;
+}
+
+/* The strain of a periodic box is the macro strain; over a part of it, its nodes' mean. */
+static ph_status sum_springs(ph_operator *op, const double *u, const double *macro,
+                             const uint8_t *region, double *stress, double *strain,
+                             ph_cell_energy *energy, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ptrdiff_t n = op->layout.cells;
+    const int ns = op->layout.ns;
+    double *s = NULL, *e = NULL, *w = NULL;
+    PH_DOUBLES(s, op->meter, (size_t)(ns * n), "the stress field");
+    PH_DOUBLES(w, op->meter, (size_t)n, "the energy");
+    if (region) PH_DOUBLES(e, op->meter, (size_t)(ns * n), "the strain field");
+    PH_TRY(ph_i_springs_fields(op->springs, u, macro, s, e, w, err));
+    memset(energy, 0, sizeof *energy);
+    for (int i = 0; i < ns; i++) {
+        stress[i] = 0.0;
+        strain[i] = e ? 0.0 : (double)n * (macro ? macro[i] : 0.0);
+    }
+    for (ptrdiff_t x = 0; x < n; x++) {
+        if (region && !region[x]) continue;
+        energy->mean += w[x];
+        for (int i = 0; i < ns; i++) {
+            stress[i] += s[i * n + x];
+            if (e) strain[i] += e[i * n + x];
+        }
+    }
+out:
+    ph_i_doubles_free(op->meter, &s, (size_t)(ns * n));
+    ph_i_doubles_free(op->meter, &e, (size_t)(ns * n));
+    ph_i_doubles_free(op->meter, &w, (size_t)n);
+    return st;
+}
+
 /* Sums of a strain field [ns][cells]; adds share times stress, strain, energy. */
 static void sum_field(const ph_operator *op, const double *e, const uint8_t *region,
                       double share, double *stress, double *strain, double *energy)
@@ -454,11 +516,13 @@ static void sum_field(const ph_operator *op, const double *e, const uint8_t *reg
     }
 }
 
-void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
-                        const uint8_t *region, double *stress, double *strain,
-                        ph_cell_energy *energy)
+ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
+                             const uint8_t *region, double *stress, double *strain,
+                             ph_cell_energy *energy, ph_error *err)
 {
     const ph_layout *l = &op->layout;
+    if (op->springs)
+        return sum_springs(op, u, macro, region, stress, strain, energy, err);
     if (op->has_cells) {
         ph_i_cells_sums(&op->cells, u, macro, region, stress, strain, energy);
     } else if (op->bonds) {
@@ -475,7 +539,7 @@ void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
                       &energy->modes);
         }
     }
-    if (!op->spectral) return;
+    if (!op->spectral) return PH_OK;
     ph_i_operator_forward(op, u, op->hat);
     ptrdiff_t row = ph_i_fft_row(op->fft);
     for (int a = 0; a < l->nd; a++)
@@ -486,6 +550,39 @@ void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
             energy->stabilisation +=
                 w * op->spectral[k] * (z[0] * z[0] + z[1] * z[1]) / (double)l->cells;
         }
+    return PH_OK;
+}
+
+/* ---- entries ---------------------------------------------------------------------------- */
+
+ph_status ph_i_assembly_init(ph_assembly *a, const ph_operator *op, const ph_grid *box,
+                             const ph_operator_params *params, ph_meter *meter,
+                             ph_error *err)
+{
+    *a = (ph_assembly){.springs = op->springs, .list = op->bonds};
+    if (a->springs || a->list) return PH_OK;
+    ph_status st = ph_i_bondlist_new(box, op->map, params, meter, &a->own, err);
+    a->list = a->own;
+    return st;
+}
+
+void ph_i_assembly_clear(ph_assembly *a)
+{
+    ph_i_bondlist_free(&a->own);
+    a->list = NULL;
+}
+
+ph_status ph_i_assembly_matrix(const ph_assembly *a, const int *unknown, int n,
+                               ph_csc *out, ph_error *err)
+{
+    return a->springs ? ph_i_springs_matrix(a->springs, unknown, n, out, err)
+                      : ph_i_bondlist_matrix(a->list, unknown, n, out, err);
+}
+
+ph_status ph_i_assembly_row_sums(const ph_assembly *a, double *sum, ph_error *err)
+{
+    return a->springs ? ph_i_springs_row_sums(a->springs, sum, err)
+                      : ph_i_bondlist_row_sums(a->list, sum, err);
 }
 
 /* ---- symbol of the homogeneous medium ------------------------------------------------- */
@@ -627,6 +724,8 @@ ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P,
     ph_status st = PH_OK;
     double elasticity[3][3][3][3];
     int nd = op->layout.nd;
+    if (op->springs) /* any multiple is as good a preconditioner */
+        return ph_i_springs_symbol(op->springs, C0->m[0][0], P, err);
     full_tensor(C0, elasticity);
     memset(P, 0, sizeof(double) * (size_t)(nd * (nd + 1) / 2 * op->modes));
     if (op->has_cells)

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The operator of a periodic box: A = sum over parts of B^T C B, plus the spectral
  * stabilisation. One family part (by convolution, stencil or cell corners), and with (P) a
- * sub-point part; or all of it by bond lists, where families end at the faces of an RVE. The force is built as the transpose of the gradient, whatever the route. */
+ * sub-point part; or all of it by bond lists, where families end at the faces of an RVE. The
+ * force is built as the transpose of the gradient, whatever the route. A bond-based medium
+ * has no gradient: all of it is springs. */
 #ifndef PH_MODEL_OPERATOR_H
 #define PH_MODEL_OPERATOR_H
 
@@ -9,6 +11,7 @@
 #include "model/cells.h"
 #include "model/convolution.h"
 #include "model/operator_params.h"
+#include "model/springs.h"
 #include "model/stencil.h"
 
 typedef struct ph_operator {
@@ -23,7 +26,8 @@ typedef struct ph_operator {
     bool has_cells;
     ph_cells cells; /* the cells route, or nothing */
     ph_stencil *stencil;
-    ph_bondlist *bonds; /* the bonds route, or NULL */
+    ph_bondlist *bonds;  /* the bonds route, or NULL */
+    ph_springs *springs; /* model bond, whatever the route, or NULL */
     bool has_convolution;
     ph_convolution convolution;
     int nsub; /* (P) of nodes: one-sided simplices of each node */
@@ -51,6 +55,22 @@ ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err);
 void ph_i_operator_apply(ph_operator *op, const double *u, double *f);
 /** f = -B^T C macro, the load of a macro strain [ns] Mandel. */
 void ph_i_operator_load(ph_operator *op, const double *macro, double *f);
+/** The assembled operator, for solvers that need its entries: the springs, the bond lists of
+ *  the route, or lists made for the purpose. */
+typedef struct ph_assembly {
+    const ph_springs *springs;
+    const ph_bondlist *list;
+    ph_bondlist *own;
+} ph_assembly;
+ph_status ph_i_assembly_init(ph_assembly *assembly, const ph_operator *op,
+                             const ph_grid *box, const ph_operator_params *params,
+                             ph_meter *meter, ph_error *err);
+void ph_i_assembly_clear(ph_assembly *assembly);
+/** As ph_i_bondlist_matrix and ph_i_bondlist_row_sums. */
+ph_status ph_i_assembly_matrix(const ph_assembly *assembly, const int *unknown, int n,
+                               ph_csc *out, ph_error *err);
+ph_status ph_i_assembly_row_sums(const ph_assembly *assembly, double *sum, ph_error *err);
+
 /** f = B^T sigma of a uniform stress [ns] Mandel in the cells with region[x] != 0: the load
  *  of a macro stress. Routes cells and bonds. */
 void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *region,
@@ -60,12 +80,15 @@ void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat);
 void ph_i_operator_backward(ph_operator *op, const double *uhat, double *work, double *u);
 
 /** Sums over a region (NULL: all cells) of stress, strain [ns] Mandel, and energies. */
-void ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
-                        const uint8_t *region, double *stress, double *strain,
-                        ph_cell_energy *energy);
-/** Strain at the family's points, [ns][cells] Mandel. */
+ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
+                             const uint8_t *region, double *stress, double *strain,
+                             ph_cell_energy *energy, ph_error *err);
+/** Strain at the family's points, [ns][cells] Mandel. Not of springs. */
 void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
                           double *strain);
+/** Strain and stress at the family's points, [ns][cells] Mandel. */
+ph_status ph_i_operator_fields(ph_operator *op, const double *u, const double *macro,
+                               double *strain, double *stress, ph_error *err);
 /** Symbol of the operator with one stiffness C0 everywhere: P(k) = B^H C0 B + S,
  *  symmetric nd x nd, packed 00 11 22 12 02 01 (nd = 2: 00 11 01), [nd (nd+1)/2][modes]. */
 ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P,

@@ -5,6 +5,8 @@
 #include <perihom/family.h>
 #include <perihom/homogenise.h>
 
+#include "model/bond_classes.h"
+
 typedef enum ph_route {
     PH_ROUTE_AUTO,
     PH_ROUTE_CELLS,
@@ -24,6 +26,7 @@ typedef struct ph_operator_params {
         hourglass_in_space; /* (S) of the cells route by the kernel, not in Fourier space */
     bool one_sided;   /* families end at the faces of the RVE, which fills the first */
     ptrdiff_t rve[3]; /* cells of the box; bonds route only */
+    const ph_bond_classes *classes; /* model bond: a spring for every bond; else NULL */
     int threads;
 } ph_operator_params;
 

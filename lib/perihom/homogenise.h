@@ -2,6 +2,7 @@
 #ifndef PERIHOM_HOMOGENISE_H
 #define PERIHOM_HOMOGENISE_H
 
+#include <perihom/bond.h>
 #include <perihom/family.h>
 
 #ifdef __cplusplus
@@ -22,14 +23,21 @@ typedef enum ph_interface {
 
 /** What a bond does, and where. Zeroed: all defaults. */
 typedef struct ph_model_params {
-    const char *kind; /* in ph_models[]: "nosb" (NULL), "local" */
+    const char *kind; /* in ph_models[]: "nosb" (NULL), "local", "bond" */
     ph_points points; /* of nosb */
-    double horizon;   /* 0: default (2 spacings for nodes, smallest for stress points) */
+    double horizon;   /* 0: default (2 spacings for nodes, smallest for stress points;
+                       * bond: 3 spacings) */
     bool horizon_is_length; /* else in spacings, the widest one */
     const char *influence;  /* in ph_influences[]; NULL: "constant" */
-    const char *weights;    /* in ph_volume_weights[]; NULL: "linear" */
+    const char *weights;    /* in ph_volume_weights[]; NULL: "linear", bond: "exact" */
     ph_stabilisation stabilisation;
     double stabilisation_value; /* alpha or theta; 0: default */
+    /* of bond */
+    double kappa;             /* modulus of interphase bonds over that of the matrix;
+                               * 0 or NaN: their modulus is the harmonic mean */
+    const char *micromodulus; /* in ph_micromoduli[]; NULL: "constant" */
+    double power;             /* alpha of power_law */
+    ph_calibration calibration;
 } ph_model_params;
 
 /** How the equations are solved. Zeroed: all defaults. */
@@ -79,6 +87,19 @@ typedef struct ph_fields {
 
 #define PH_MAX_NOTES 16
 
+/** What model bond has to say beside. */
+typedef struct ph_bond_report {
+    bool present;
+    const char *micromodulus, *calibration; /* catalogue names */
+    double power, kappa;                    /* NaN where not given */
+    ph_bond_lattice lattice;
+    /* linear_displacement with the frame outside: the stiffness of the RVE from the forces
+     * that cross its faces, columns as `stiffness` before it is made symmetric. `stiffness`
+     * itself is the bond virial, a bond that leaves the RVE counted by half. */
+    bool has_reactions;
+    ph_sym4 virial, reactions;
+} ph_bond_report;
+
 /** What came out, what it cost and what it is worth. Owns its arrays. */
 typedef struct ph_result {
     ph_grid grid;
@@ -109,6 +130,8 @@ typedef struct ph_result {
     double stabilisation_energy; /* worst load: share of the total energy */
     long applications;           /* of the operator */
     long ffts;                   /* scalar real transforms */
+
+    ph_bond_report bond;
 
     double seconds, seconds_solve;
     size_t peak_bytes; /* of the solver's own arrays */

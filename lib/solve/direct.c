@@ -87,14 +87,14 @@ static void hold_motions(direct *s, int count, double *mode)
 }
 
 /* Number the displacements, node by node. */
-static ph_status number(direct *s, const ph_bondlist *list, ph_error *err)
+static ph_status number(direct *s, const ph_assembly *list, ph_error *err)
 {
     ph_status st = PH_OK;
-    ptrdiff_t size = field_size(s), nodes = list->nodes;
+    ptrdiff_t size = field_size(s), nodes = s->op->layout.cells;
     const uint8_t *fixed = s->setting->fixed;
     double *mode = NULL;
     PH_ALLOC(s->unknown, size, "the unknowns");
-    PH_TRY(ph_i_bondlist_row_sums(list, s->r, err));
+    PH_TRY(ph_i_assembly_row_sums(list, s->r, err));
     for (ptrdiff_t i = 0; i < size; i++)
         s->unknown[i] = s->r[i] > 0.0 && !(fixed && fixed[i % nodes]) ? 0 : -1;
     if (!fixed) {
@@ -102,7 +102,7 @@ static ph_status number(direct *s, const ph_bondlist *list, ph_error *err)
         hold_motions(s, rigid_motions(s, mode), mode);
     }
     for (ptrdiff_t x = 0; x < nodes; x++)
-        for (int a = 0; a < list->nd; a++)
+        for (int a = 0; a < s->op->layout.nd; a++)
             if (s->unknown[a * nodes + x] >= 0) s->unknown[a * nodes + x] = s->n++;
 out:
     free(mode);
@@ -111,12 +111,12 @@ out:
 
 /* ---- the factor ------------------------------------------------------------------------ */
 
-static ph_status factorise(direct *s, const ph_bondlist *list, ph_error *err)
+static ph_status factorise(direct *s, const ph_assembly *list, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_csc m = {0};
     ph_error first = PH_ERROR_INIT;
-    PH_TRY(ph_i_bondlist_matrix(list, s->unknown, s->n, &m, err));
+    PH_TRY(ph_i_assembly_matrix(list, s->unknown, s->n, &m, err));
     st = ph_i_factor_new(&m, &s->factor, &first);
     if (st == PH_ESINGULAR ||
         (st == PH_OK && ph_i_factor_condition(s->factor) < singular)) {
@@ -159,7 +159,7 @@ ph_status ph_i_direct_init(const ph_system *system, void **state, ph_error *err)
     ph_status st = PH_OK;
     direct *s = NULL;
     void *self = NULL;
-    ph_bondlist *own = NULL;
+    ph_assembly list = {0};
     PH_ALLOC(s, 1, "the solver");
     self = s;
     s->op = system->op;
@@ -171,20 +171,16 @@ ph_status ph_i_direct_init(const ph_system *system, void **state, ph_error *err)
     PH_DOUBLES(s->r, s->meter, size, "the residual");
     PH_DOUBLES(s->q, s->meter, size, "the product");
     PH_TRY(ph_i_operator_in_space(s->op, err));
-    const ph_bondlist *list = s->op->bonds;
-    if (!list) {
-        PH_TRY(ph_i_bondlist_new(&s->setting->box, s->op->map, system->params, s->meter,
-                                 &own, err));
-        list = own;
-    }
-    PH_TRY(number(s, list, err));
+    PH_TRY(ph_i_assembly_init(&list, s->op, &s->setting->box, system->params, s->meter,
+                              err));
+    PH_TRY(number(s, &list, err));
     PH_DOUBLES(s->rhs, s->meter, (size_t)s->n, "the right-hand side");
     PH_DOUBLES(s->step, s->meter, (size_t)s->n, "the correction");
-    PH_TRY(factorise(s, list, err));
+    PH_TRY(factorise(s, &list, err));
     *state = self;
     self = NULL;
 out:
-    ph_i_bondlist_free(&own);
+    ph_i_assembly_clear(&list);
     ph_i_direct_free(&self);
     return st;
 }
@@ -274,6 +270,8 @@ static double entries(const ph_system *system)
     const ph_family *fam = system->params->family;
     int nd = system->op->layout.nd;
     double row = 0.5 * nd * nd;
+    if (system->op->springs) /* a node couples with its family alone */
+        return row * (double)ph_grid_cells(g) * (double)(fam->count + 1);
     for (int d = 0; d < 3; d++) {
         double span = !fam || system->params->smallest ? 3.0 : 4.0 * fam->reach[d] + 1.0;
         row *= (double)g->n[d] * fmin(span, (double)g->n[d]);

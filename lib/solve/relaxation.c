@@ -57,22 +57,17 @@ void ph_i_relaxation_free(void **state)
 static ph_status densities(relaxation *s, const ph_operator_params *params, ph_error *err)
 {
     ph_status st = PH_OK;
-    ph_bondlist *own = NULL;
-    const ph_bondlist *list = s->op->bonds;
+    ph_assembly list = {0};
     const uint8_t *fixed = s->setting->fixed;
-    if (!list) {
-        PH_TRY(
-            ph_i_bondlist_new(&s->setting->box, s->op->map, params, s->meter, &own, err));
-        list = own;
-    }
-    PH_TRY(ph_i_bondlist_row_sums(list, s->inverse, err));
+    PH_TRY(ph_i_assembly_init(&list, s->op, &s->setting->box, params, s->meter, err));
+    PH_TRY(ph_i_assembly_row_sums(&list, s->inverse, err));
     for (size_t i = 0; i < field_size(s); i++) {
         bool held = fixed && fixed[i % (size_t)s->op->layout.cells];
         double sum = s->inverse[i];
         s->inverse[i] = held || sum <= 0.0 ? 0.0 : 4.0 / (margin * sum);
     }
 out:
-    ph_i_bondlist_free(&own);
+    ph_i_assembly_clear(&list);
     return st;
 }
 

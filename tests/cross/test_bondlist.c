@@ -39,8 +39,9 @@ static void compare_sums(ph_operator *op, const ph_bondlist *list, const double 
 {
     double s1[6], e1[6], s2[6], e2[6];
     ph_cell_energy w1, w2;
+    ph_error err = PH_ERROR_INIT;
     int ns = list->ns;
-    ph_i_operator_sums(op, u, macro, region, s1, e1, &w1);
+    CHECK_OK(ph_i_operator_sums(op, u, macro, region, s1, e1, &w1, &err));
     ph_i_bondlist_sums(list, u, macro, region, s2, e2, &w2);
     CHECK(field_difference(ns, s1, s2) < round_off * 10); /* sums of both signs */
     CHECK(field_difference(ns, e1, e2) < round_off * 10);
