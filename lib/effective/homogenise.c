@@ -225,6 +225,10 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
     res->stabilisation = r->params.stabilisation;
     res->stabilisation_value = r->params.value;
     PH_TRY(r->constraint->prepare(p, r->family, &r->setting, err));
+    if (res->bond.present)
+        PH_TRY(ph_i_bond_classes_new(p->micro, p->model.kappa, r->setting.source,
+                                     ph_grid_cells(&r->setting.box), &r->classes, err));
+    r->params.classes = r->classes;
     if (r->setting.source) {
         ph_i_stiffness_map_free(&r->meter, &r->map);
         PH_TRY(ph_i_stiffness_map_new(p->micro, p->interface, r->setting.source,
@@ -246,12 +250,6 @@ static ph_status build(ph_run *r, ph_error *err)
     bool body = r->constraint->by_stress;
     r->params.one_sided = body && r->family && !r->params.smallest;
     memcpy(r->params.rve, r->result->grid.n, sizeof r->params.rve);
-    if (r->result->bond.present) {
-        PH_TRY(ph_i_bond_classes_new(r->problem->micro, r->problem->model.kappa,
-                                     r->setting.source, ph_grid_cells(&r->setting.box),
-                                     &r->classes, err));
-        r->params.classes = r->classes;
-    }
     PH_TRY(
         ph_i_operator_new(&r->setting.box, r->map, &r->params, &r->meter, &r->op, err));
     r->system = (ph_system){.op = r->op,

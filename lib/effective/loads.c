@@ -81,6 +81,9 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
     res->strain_average = fmax(res->strain_average, sqrt(off / size));
     res->stabilisation_energy =
         fmax(res->stabilisation_energy, fabs(extra) / n / fabs(total));
+    for (int i = 0; r->op->springs && i < ns; i++)
+        res->bond.virial.m[i][load] = stress[i];
+    res->bond.virial.n = ns;
     if (r->op->springs && r->setting.source) take_reactions(r, load, macro);
 out:
     return st;

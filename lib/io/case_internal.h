@@ -125,6 +125,8 @@ extern const ph_i_names ph_i_later_model_names; /* known, not in this version */
 extern const ph_i_names ph_i_points_names;      /* in the order of ph_points */
 extern const ph_i_names ph_i_influence_names;
 extern const ph_i_names ph_i_weight_names;
+extern const ph_i_names ph_i_micromodulus_names;
+extern const ph_i_names ph_i_calibration_names; /* in the order of ph_calibration */
 extern const ph_i_names ph_i_constraint_names;
 extern const ph_i_names ph_i_solver_names;
 extern const ph_i_names ph_i_interface_names; /* in the order of ph_interface */

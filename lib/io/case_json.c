@@ -133,6 +133,19 @@ static json_t *one(const char *key, double x, bool *good)
     return map;
 }
 
+static void bond_to_json(const ph_model_params *m, json_t *map, bool *good)
+{
+    const char *profile = m->micromodulus ? m->micromodulus : "constant";
+    put(map, "weights", json_string(m->weights ? m->weights : "exact"), good);
+    put(map, "micromodulus",
+        strcmp(profile, "power_law") == 0 ? one(profile, m->power, good)
+                                          : json_string(profile),
+        good);
+    put(map, "calibration", json_string(ph_i_calibration_names.name[m->calibration]),
+        good);
+    if (m->kappa > 0) put(map, "kappa", json_real(m->kappa), good);
+}
+
 static json_t *model_to_json(const ph_model_params *m, bool *good)
 {
     json_t *map = json_object(), *horizon, *stabilisation;
@@ -150,6 +163,12 @@ static json_t *model_to_json(const ph_model_params *m, bool *good)
         stabilisation =
             json_string(m->stabilisation == PH_STABILISE_NONE ? "none" : "auto");
     put(map, "kind", json_string(m->kind ? m->kind : "nosb"), good);
+    if (m->kind && strcmp(m->kind, "bond") == 0) {
+        json_decref(stabilisation);
+        put(map, "horizon", horizon, good);
+        bond_to_json(m, map, good);
+        return map;
+    }
     put(map, "points", json_string(ph_i_points_names.name[m->points]), good);
     put(map, "horizon", horizon, good);
     put(map, "influence", json_string(m->influence ? m->influence : "constant"), good);

@@ -4,9 +4,11 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const model_keys[] = {"kind",      "points",  "horizon",
-                                         "influence", "weights", "stabilisation"};
+static const char *const model_keys[] = {"kind",      "points",       "horizon",
+                                         "influence", "weights",      "stabilisation",
+                                         "kappa",     "micromodulus", "calibration"};
 static const char *const horizon_keys[] = {"length"};
+static const char *const power_law_keys[] = {"power_law"};
 static const char *const stabilisation_keys[] = {"spectral", "subpoint"};
 static const char *const constraint_keys[] = {"kind", "collar"};
 static const char *const solver_keys[] = {"kind", "tolerance", "max_iterations"};
@@ -73,6 +75,56 @@ static void read_stabilisation(ph_i_reader *r, const ph_i_node *node,
     }
 }
 
+/* A name, or {power_law: alpha}. */
+static void read_micromodulus(ph_i_reader *r, const ph_i_node *node,
+                              ph_model_params *model)
+{
+    static const char rule[] = "the exponent must be below 3 in the plane, 4 in space";
+    if (node->kind != PH_I_MAP) {
+        int i = ph_i_read_name(r, node, ph_i_micromodulus_names);
+        if (i < 0) return;
+        model->micromodulus = ph_i_micromodulus_names.name[i];
+        if (strcmp(model->micromodulus, "power_law") == 0)
+            ph_i_reject(r, node, PH_EINVAL, "give its exponent: {power_law: 1}");
+        return;
+    }
+    ph_i_check_keys(r, node, (ph_i_names)PH_I_NAMES(power_law_keys), "micromodulus");
+    const ph_i_node *power = ph_i_need(r, node, "power_law", rule);
+    if (!power) return;
+    model->micromodulus = "power_law";
+    ph_i_read_number(r, power, -100, r->c->kinematics == PH_SPACE ? 4 : 3, rule,
+                     &model->power);
+}
+
+/* What belongs to one model is a complaint in another. */
+static void read_bond(ph_i_reader *r, const ph_i_node *node, ph_model_params *model)
+{
+    static const char *const bond[] = {"kappa", "micromodulus", "calibration"};
+    static const char *const other[] = {"influence", "stabilisation"};
+    const ph_i_node *child;
+    int i;
+    bool is_bond = strcmp(model->kind, "bond") == 0;
+    for (size_t k = 0; k < 3 && !is_bond; k++)
+        if ((child = ph_i_get(node, bond[k])))
+            ph_i_complain(r, child, PH_EINVAL, "belongs to model bond only");
+    for (size_t k = 0; k < 2 && is_bond; k++)
+        if ((child = ph_i_get(node, other[k])))
+            ph_i_complain(r, child, PH_EINVAL, "does not belong to model bond");
+    if (!is_bond) return;
+    if (model->points == PH_POINTS_STRESS)
+        ph_i_reject(r, ph_i_get(node, "points"), PH_EINVAL,
+                    "the forces of model bond act between nodes");
+    if (!ph_i_get(node, "weights")) model->weights = "exact";
+    model->micromodulus = "constant";
+    if ((child = ph_i_get(node, "kappa")))
+        ph_i_read_positive(r, child, "the interphase factor must be > 0", &model->kappa);
+    if ((child = ph_i_get(node, "micromodulus"))) read_micromodulus(r, child, model);
+    if ((child = ph_i_get(node, "calibration")) &&
+        (i = ph_i_read_name(r, child, ph_i_calibration_names)) >= 0)
+        model->calibration = (ph_calibration)i;
+    if (model->horizon == 0) model->horizon = 3;
+}
+
 void ph_i_read_model(ph_i_reader *r, const ph_i_node *node)
 {
     ph_model_params *model = &r->c->model;
@@ -94,6 +146,7 @@ void ph_i_read_model(ph_i_reader *r, const ph_i_node *node)
         (i = ph_i_read_name(r, child, ph_i_weight_names)) >= 0)
         model->weights = ph_i_weight_names.name[i];
     if ((child = ph_i_get(node, "stabilisation"))) read_stabilisation(r, child, model);
+    read_bond(r, node, model);
     if (model->points == PH_POINTS_NODES && model->horizon == 0) model->horizon = 2;
 }
 

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/case_internal.h"
 
-static const char *const models[] = {"nosb", "local"};
-static const char *const later_models[] = {"bond", "ordinary"};
+static const char *const models[] = {"nosb", "local", "bond"};
+static const char *const later_models[] = {"ordinary"};
 static const char *const points[] = {"auto", "nodes", "stress"};
 static const char *const influences[] = {"constant", "conical",        "gaussian",
                                          "inverse",  "inverse_square", "cubic"};
+static const char *const micromoduli[] = {"constant", "conical", "inverted_conical",
+                                          "power_law"};
+static const char *const calibrations[] = {"lattice", "gamma", "continuum"};
 static const char *const weights[] = {"linear", "exact", "none"};
 static const char *const constraints[] = {"periodic", "linear_displacement",
                                           "uniform_traction", "voigt", "reuss"};
@@ -21,6 +24,8 @@ const ph_i_names ph_i_model_names = PH_I_NAMES(models);
 const ph_i_names ph_i_later_model_names = PH_I_NAMES(later_models);
 const ph_i_names ph_i_points_names = PH_I_NAMES(points);
 const ph_i_names ph_i_influence_names = PH_I_NAMES(influences);
+const ph_i_names ph_i_micromodulus_names = PH_I_NAMES(micromoduli);
+const ph_i_names ph_i_calibration_names = PH_I_NAMES(calibrations);
 const ph_i_names ph_i_weight_names = PH_I_NAMES(weights);
 const ph_i_names ph_i_constraint_names = PH_I_NAMES(constraints);
 const ph_i_names ph_i_solver_names = PH_I_NAMES(solvers);

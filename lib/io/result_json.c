@@ -314,6 +314,45 @@ out:
     return st;
 }
 
+/* The two estimates of model bond, as they came: not made symmetric. */
+static ph_status put_bond(draft_document *d, json_t *effective, const char *missing,
+                          ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_bond_report *b = &d->result->bond;
+    json_t *bond;
+    const char *path = "effective.bond.reactions";
+    ph_sym4 nothing = d->result->stiffness;
+    for (int i = 0; i < nothing.n; i++)
+        for (int j = 0; j < nothing.n; j++)
+            nothing.m[i][j] = NAN;
+    bool all = b->has_reactions && !missing[0];
+    PH_TRY(section(effective, "bond", &bond, err));
+    PH_TRY(put_text(bond, "micromodulus", b->micromodulus, err));
+    if (isfinite(b->power))
+        PH_TRY(put_real(d, bond, "effective.bond", "power", b->power, err));
+    PH_TRY(put_text(bond, "calibration", b->calibration, err));
+    PH_TRY(put_real(d, bond, "effective.bond", "factor", b->lattice.factor, err));
+    PH_TRY(put_real(d, bond, "effective.bond", "nu", b->lattice.nu, err));
+    PH_TRY(put_real(d, bond, "effective.bond", "zener", b->lattice.zener, err));
+    PH_TRY(ph_i_json_put_number(
+        bond, "effective.bond", "kappa", b->kappa, d->reasons,
+        "not given: interphase bonds have the harmonic mean of the two moduli", err));
+    PH_TRY(put_matrix(d, bond, "effective.bond.virial", "virial", &d->result->bond.virial,
+                      true, err));
+    PH_TRY(put_matrix(d, bond, path, "reactions", all ? &b->reactions : &nothing, true,
+                      err));
+    if (!all)
+        PH_TRY(put_reason(d, path,
+                          b->has_reactions
+                              ? "load cases were not solved"
+                              : "only linear_displacement with its collar outside has "
+                                "reactions: elsewhere the RVE has no faces",
+                          err));
+out:
+    return st;
+}
+
 static ph_status put_effective(draft_document *d, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -327,6 +366,7 @@ static ph_status put_effective(draft_document *d, ph_error *err)
                         : "voigt 11 22 12, engineering shear",
                     err));
     PH_TRY(put_stiffness(d, effective, missing, err));
+    if (d->result->bond.present) PH_TRY(put_bond(d, effective, missing, err));
     PH_TRY(put_derived(d, effective, missing, err));
 out:
     return st;

@@ -97,7 +97,7 @@ typedef struct ph_bond_report {
      * that cross its faces, columns as `stiffness` before it is made symmetric. `stiffness`
      * itself is the bond virial, a bond that leaves the RVE counted by half. */
     bool has_reactions;
-    ph_sym4 reactions;
+    ph_sym4 virial, reactions;
 } ph_bond_report;
 
 /** What came out, what it cost and what it is worth. Owns its arrays. */

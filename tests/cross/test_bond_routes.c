@@ -63,8 +63,8 @@ static medium new_medium(uint64_t *seed, size_t shape, double share, bool owners
                          double kappa)
 {
     ph_error err = PH_ERROR_INIT;
-    medium m = {.micro = random_fillers(seed, shapes[shape].kin, shapes[shape].n, share,
-                                        owners)};
+    medium m = {
+        .micro = random_fillers(seed, shapes[shape].kin, shapes[shape].n, share, owners)};
     const ph_grid *g = &m.micro->grid;
     size_t profile = (size_t)((double)ph_nmicromoduli * check_random(seed));
     CHECK_OK(ph_i_stiffness_map_new(m.micro, PH_INTERFACE_NODE_CENTRE, NULL,
@@ -72,8 +72,8 @@ static medium new_medium(uint64_t *seed, size_t shape, double share, bool owners
     CHECK_OK(ph_bond_family_new(g, shapes[shape].spacings * 1.2, &ph_micromoduli[profile],
                                 1.0, &ph_volume_weights[1], PH_CALIBRATE_LATTICE,
                                 &m.family, &m.lattice, &err));
-    CHECK_OK(ph_i_bond_classes_new(m.micro, kappa, NULL, ph_grid_cells(g), &m.classes,
-                                   &err));
+    CHECK_OK(
+        ph_i_bond_classes_new(m.micro, kappa, NULL, ph_grid_cells(g), &m.classes, &err));
     m.params.family = m.family;
     m.params.classes = m.classes;
     m.params.threads = 1;
@@ -93,7 +93,8 @@ static ph_operator *new_operator(medium *m, ph_route route)
     ph_error err = PH_ERROR_INIT;
     ph_operator *op = NULL;
     m->params.route = route;
-    CHECK_OK(ph_i_operator_new(&m->micro->grid, m->map, &m->params, &m->meter, &op, &err));
+    CHECK_OK(
+        ph_i_operator_new(&m->micro->grid, m->map, &m->params, &m->meter, &op, &err));
     return op;
 }
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Homogeneous bond-based media: constants, lattices, what each calibration makes exact. */
-#include "check.h"
-#include "solve.h"
-
-#include "model/operator.h"
-
 #include <perihom/bond.h>
+
+#include "check.h"
+#include "model/operator.h"
+#include "solve.h"
 
 #include <string.h>
 
@@ -35,8 +34,8 @@ static ph_bond_lattice lattice_of(ph_grid g, double m, const char *name, double 
     ph_family *f = NULL;
     ph_bond_lattice l;
     memset(&l, 0, sizeof l);
-    CHECK_OK(ph_bond_family_new(&g, m, profile(name), power, exact_weights(), rule, &f, &l,
-                                &err));
+    CHECK_OK(ph_bond_family_new(&g, m, profile(name), power, exact_weights(), rule, &f,
+                                &l, &err));
     ph_family_free(&f);
     return l;
 }
@@ -50,12 +49,17 @@ static void constants(void **state)
         const char *name;
         double power, want; /* times pi */
     } known[] = {
-        {PH_PLANE_STRESS, "constant", 0, 9},      {PH_PLANE_STRESS, "conical", 0, 36},
+        {PH_PLANE_STRESS, "constant", 0, 9},
+        {PH_PLANE_STRESS, "conical", 0, 36},
         {PH_PLANE_STRESS, "inverted_conical", 0, 12},
-        {PH_PLANE_STRAIN, "constant", 0, 9.6},    {PH_SPACE, "constant", 0, 12},
-        {PH_SPACE, "conical", 0, 60},             {PH_SPACE, "inverted_conical", 0, 15},
-        {PH_PLANE_STRESS, "power_law", 0, 9},     {PH_PLANE_STRESS, "power_law", 1, 6},
-        {PH_PLANE_STRESS, "power_law", -1, 12},   {PH_SPACE, "power_law", 1, 9},
+        {PH_PLANE_STRAIN, "constant", 0, 9.6},
+        {PH_SPACE, "constant", 0, 12},
+        {PH_SPACE, "conical", 0, 60},
+        {PH_SPACE, "inverted_conical", 0, 15},
+        {PH_PLANE_STRESS, "power_law", 0, 9},
+        {PH_PLANE_STRESS, "power_law", 1, 6},
+        {PH_PLANE_STRESS, "power_law", -1, 12},
+        {PH_SPACE, "power_law", 1, 9},
         /* 3 (6 - alpha') E / pi with the exponent alpha' = 3 + alpha of c / |xi|^alpha' */
         {PH_PLANE_STRESS, "power_law", 0.5, 7.5},
     };
@@ -80,19 +84,19 @@ static void gamma_table(void **state)
         {6, 0.9953451239}, {8, 0.9974762600}, {10, 0.9984402626}, {12, 0.9989428609},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        ph_bond_lattice l = lattice_of(square(PH_PLANE_STRESS, 40), table[i].m, "constant",
-                                       0, PH_CALIBRATE_GAMMA);
+        ph_bond_lattice l = lattice_of(square(PH_PLANE_STRESS, 40), table[i].m,
+                                       "constant", 0, PH_CALIBRATE_GAMMA);
         CHECK_ABS(l.factor, table[i].gamma, 1e-10);
         CHECK_REL(l.C.m[0][0], 9.0 / 8.0, 1e-14);
         CHECK_REL(l.C.m[1][1], 9.0 / 8.0, 1e-14);
     }
     /* five and three digits are known of these */
-    CHECK_ABS(lattice_of(square(PH_PLANE_STRESS, 40), 3, "constant", 0, PH_CALIBRATE_GAMMA)
-                  .nu,
-              0.32279, 5e-6);
-    CHECK_ABS(lattice_of(square(PH_PLANE_STRESS, 40), 8, "constant", 0, PH_CALIBRATE_GAMMA)
-                  .nu,
-              0.33273, 5e-6);
+    CHECK_ABS(
+        lattice_of(square(PH_PLANE_STRESS, 40), 3, "constant", 0, PH_CALIBRATE_GAMMA).nu,
+        0.32279, 5e-6);
+    CHECK_ABS(
+        lattice_of(square(PH_PLANE_STRESS, 40), 8, "constant", 0, PH_CALIBRATE_GAMMA).nu,
+        0.33273, 5e-6);
     CHECK_END();
 }
 
@@ -148,7 +152,8 @@ static void modulus_is_exact(void **state)
 static void published(void **state)
 {
     (void)state;
-    ph_result *g = homogeneous(PH_PLANE_STRESS, 20, 3.5, 8, "constant", PH_CALIBRATE_GAMMA),
+    ph_result *g = homogeneous(PH_PLANE_STRESS, 20, 3.5, 8, "constant",
+                               PH_CALIBRATE_GAMMA),
               *c = homogeneous(PH_PLANE_STRESS, 20, 3.5, 8, "constant",
                                PH_CALIBRATE_CONTINUUM);
     CHECK_ABS(engineering(&g->stiffness).E[0], 3.5016, 5e-5);
@@ -235,7 +240,6 @@ static void polynomials(void **state)
     CHECK_END();
 }
 
-
 static void bad_input(void **state)
 {
     (void)state;
@@ -247,9 +251,9 @@ static void bad_input(void **state)
         double horizon, power;
         ph_status want;
     } bad[] = {
-        {PH_PLANE_STRESS, 0.5, 0, PH_EINVAL},  {PH_PLANE_STRESS, -1, 0, PH_EINVAL},
-        {PH_PLANE_STRESS, NAN, 0, PH_EINVAL},  {PH_PLANE_STRESS, 11, 0, PH_EINVAL},
-        {PH_PLANE_STRESS, 3, 3.0, PH_EINVAL},  {PH_PLANE_STRESS, 3, NAN, PH_EINVAL},
+        {PH_PLANE_STRESS, 0.5, 0, PH_EINVAL},     {PH_PLANE_STRESS, -1, 0, PH_EINVAL},
+        {PH_PLANE_STRESS, NAN, 0, PH_EINVAL},     {PH_PLANE_STRESS, 11, 0, PH_EINVAL},
+        {PH_PLANE_STRESS, 3, 3.0, PH_EINVAL},     {PH_PLANE_STRESS, 3, NAN, PH_EINVAL},
         {PH_GENERALISED_STRAIN, 3, 0, PH_EINVAL},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
