@@ -2,6 +2,7 @@
 /* perihom generate: the microstructure of a case, its picture and its voxel file. */
 #include "check.h"
 #include "destination.h"
+#include "memory.h"
 #include "tools.h"
 
 #include <jansson.h>
@@ -146,6 +147,7 @@ static ph_status generate(const generate_options *o, const ph_case *c, ph_error 
 {
     ph_status st = PH_OK;
     built b = {.c = c};
+    PH_TRY(memory_check_cells(c, false, err));
     PH_TRY(ph_rve_build(c, &b.micro, err));
     PH_TRY(measure(&b, err));
     PH_TRY(write_files(&b, o, err));
