@@ -132,6 +132,12 @@ static ph_status build_from_voxels(const ph_case *c, ph_microstructure **m, ph_e
     PH_TRY(ph_microstructure_new(&grid, c->nmaterials, c->materials, m, err));
     st = assign(c, *m, values, err);
     if (st != PH_OK) ph_error_prefix(err, "%s: ", path);
+    PH_TRY(st);
+    if (c->voxels.owners[0]) {
+        PH_ALLOC((*m)->owner, ph_grid_cells(&grid), "the owners of the cells");
+        PH_TRY(ph_rve_read_owners(path, c->voxels.owners, dimensions_of(c->kinematics),
+                                  n, (*m)->owner, err));
+    }
 out:
     free(path);
     free(values);
