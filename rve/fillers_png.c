@@ -175,8 +175,8 @@ static void panel_size(const ph_grid *g, int right, int up, int most, int out[2]
     double cells = (double)(g->n[right] > g->n[up] ? g->n[right] : g->n[up]);
     double pixels = fmax(floor(most / cells), 1) * cells;
     if (pixels > 2 * most) pixels = most;
-    out[0] = (int)fmax(lround(pixels * g->size[right] / longest), 1);
-    out[1] = (int)fmax(lround(pixels * g->size[up] / longest), 1);
+    out[0] = (int)fmax(rint(pixels * g->size[right] / longest), 1);
+    out[1] = (int)fmax(rint(pixels * g->size[up] / longest), 1);
 }
 
 static ph_status picture_3d(ph_i_picture *p, const ph_microstructure *m, int matrix,

@@ -166,7 +166,8 @@ typedef struct ph_statistics {
     double correlation_length[3];
     double *correlation; /* [cells] S2 at every lag, lag zero in cell n / 2 of each axis */
     double half_scatter; /* std of the fraction in the 2^d half boxes, over f */
-    double size_indicator; /* smallest box length over correlation length; > 10 is usual */
+    /* smallest ratio of the box to the larger of correlation length and longest filler */
+    double size_indicator;
     ptrdiff_t fillers;
     double nearest_mean, nearest_std, nearest_min; /* between centres; NaN below 2 */
     ptrdiff_t clusters;      /* of fillers that touch: neighbouring cells, corners too */

@@ -146,7 +146,7 @@ static double half_scatter(const ph_grid *g, const uint8_t *filler, double f)
         sum += pow(in[b] / all[b] - f, 2);
         boxes++;
     }
-    return f > 0 ? sqrt(sum / boxes) / f : NAN;
+    return f > 0 ? sqrt(sum / boxes) / f : (double)NAN;
 }
 
 static void mark_filler(const ph_microstructure *m, const ph_packing *p, int matrix,
@@ -179,8 +179,10 @@ static ph_status fill(const ph_microstructure *m, const ph_packing *p,
     s->size_indicator = INFINITY;
     for (int a = 0; a < s->dimensions; a++) {
         s->correlation_length[a] = correlation_length(g, s, a);
-        s->size_indicator =
-            fmin(s->size_indicator, g->size[a] / s->correlation_length[a]);
+        double length = s->correlation_length[a];
+        for (ptrdiff_t i = 0; p && i < p->n; i++)
+            length = fmax(length, p->filler[i].length);
+        s->size_indicator = fmin(s->size_indicator, g->size[a] / length);
     }
     if (isinf(s->size_indicator)) s->size_indicator = NAN;
     s->half_scatter = half_scatter(g, filler, s->fraction);

@@ -156,7 +156,7 @@ static void print_fillers(const built *b)
         printf("   %td\n", r->relaxed);
     }
     printf("\nclusters    %td, the largest of %td fillers\n", s->clusters, s->largest);
-    printf("box size    %.3g correlation lengths\n", s->size_indicator);
+    printf("box size    %.3g of its longest feature\n", s->size_indicator);
 }
 
 static json_t *numbers_json(const double *x, ptrdiff_t n)
@@ -206,7 +206,7 @@ static json_t *statistics_json(const ph_statistics *s)
         "{s:f, s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o}, s:I, s:I, s:o, s:{s:f, s:f}}",
         "fraction", s->fraction, "two_point", two, "lineal_path", path,
         "correlation_length", numbers_json(s->correlation_length, s->dimensions),
-        "half_box_scatter", number_json(s->half_scatter), "box_over_correlation_length",
+        "half_box_scatter", number_json(s->half_scatter), "size_indicator",
         number_json(s->size_indicator), "nearest_neighbour", "mean",
         number_json(s->nearest_mean), "std", number_json(s->nearest_std), "min",
         number_json(s->nearest_min), "clusters", (json_int_t)s->clusters,
