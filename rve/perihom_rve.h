@@ -142,6 +142,9 @@ PH_API void ph_packing_free(ph_packing **packing);
  *          PH_ENOMEM. Cost: linear in the number of fillers up to jamming.
  *  Tested: tests/unit/test_fillers.c, tests/laws/test_placement.c */
 PH_API ph_status ph_rve_place(const ph_case *c, ph_packing **out, ph_error *err);
+/** Inclusions and a packing (NULL: none) on the grid of the case. */
+PH_API ph_status ph_rve_paint(const ph_case *c, const ph_packing *packing,
+                              ph_microstructure **out, ph_error *err);
 /** Like ph_rve_build, and the fillers that it placed; *packing is NULL where the case has
  *  none. micro->owner is set where it has some. */
 PH_API ph_status ph_rve_generate(const ph_case *c, ph_microstructure **micro,
