@@ -126,7 +126,7 @@ def interpolate(points, error):
 
 def error_table(data):
     out = []
-    for error in (2.5, 1.0, 0.5):
+    for error in (2.5, 1.1, 0.5):
         ours = interpolate(data["perihom nosb"], error)
         row = [f"{error} %", number(ours) if ours else f"< {number(data['perihom nosb'][0][0])} (8³: {number(data['perihom nosb'][0][1], 2)} %)"]
         base = ours or data["perihom nosb"][0][0]

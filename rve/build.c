@@ -48,24 +48,21 @@ static void drop_covered_cuts(ph_microstructure *m, const ph_packing *p)
     m->ncuts = kept;
 }
 
-static ph_status build_fillers(const ph_case *c, ph_canvas *canvas, ph_packing **packing,
-                               ph_error *err)
+static ph_status build_fillers(const ph_case *c, ph_canvas *canvas,
+                               const ph_packing *packing, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_microstructure *m = canvas->micro;
-    ph_i_generator g = {.c = c, .grid = m->grid};
     for (int k = 0; k < c->nfillers; k++)
         PH_TRY(check_material(c, c->fillers[k].material, "fillers: material", err));
     PH_ALLOC(m->owner, ph_grid_cells(&m->grid), "the owners of the cells");
-    PH_TRY(ph_rve_place(c, packing, err));
-    g.p = *packing;
-    PH_TRY(ph_i_paint_packing(&g, canvas, err));
+    PH_TRY(ph_i_paint_packing(c, packing, canvas, err));
 out:
     return st;
 }
 
 static ph_status build_from_shapes(const ph_case *c, ph_microstructure *m,
-                                   ph_packing **packing, ph_error *err)
+                                   const ph_packing *packing, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_canvas canvas = {.micro = m,
@@ -77,9 +74,9 @@ static ph_status build_from_shapes(const ph_case *c, ph_microstructure *m,
         m->phase[i] = (uint16_t)c->matrix;
     for (int i = 0; i < c->ninclusions; i++)
         PH_TRY(paint_inclusion(&canvas, c, i, err));
-    if (c->nfillers > 0) PH_TRY(build_fillers(c, &canvas, packing, err));
+    if (packing) PH_TRY(build_fillers(c, &canvas, packing, err));
     PH_TRY(ph_i_cut_cells(&canvas, err));
-    if (*packing) drop_covered_cuts(m, *packing);
+    if (packing) drop_covered_cuts(m, packing);
 out:
     ph_i_canvas_clear(&canvas);
     return st;
@@ -132,9 +129,32 @@ static ph_status build_from_voxels(const ph_case *c, ph_microstructure **m, ph_e
     PH_TRY(ph_microstructure_new(&grid, c->nmaterials, c->materials, m, err));
     st = assign(c, *m, values, err);
     if (st != PH_OK) ph_error_prefix(err, "%s: ", path);
+    PH_TRY(st);
+    if (c->voxels.owners[0]) {
+        PH_ALLOC((*m)->owner, ph_grid_cells(&grid), "the owners of the cells");
+        PH_TRY(ph_rve_read_owners(path, c->voxels.owners, dimensions_of(c->kinematics),
+                                  n, (*m)->owner, err));
+    }
 out:
     free(path);
     free(values);
+    return st;
+}
+
+ph_status ph_rve_paint(const ph_case *c, const ph_packing *packing,
+                       ph_microstructure **out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_microstructure *m = NULL;
+    ph_grid grid;
+    *out = NULL;
+    PH_TRY(ph_grid_init(&grid, c->kinematics, c->nodes, c->size, err));
+    PH_TRY(ph_microstructure_new(&grid, c->nmaterials, c->materials, &m, err));
+    PH_TRY(build_from_shapes(c, m, packing, err));
+    *out = m;
+    m = NULL;
+out:
+    ph_microstructure_free(&m);
     return st;
 }
 
@@ -142,28 +162,23 @@ ph_status ph_rve_generate(const ph_case *c, ph_microstructure **out,
                           ph_packing **packing, ph_error *err)
 {
     ph_status st = PH_OK;
-    ph_microstructure *m = NULL;
     ph_packing *p = NULL;
-    ph_grid grid;
     *out = NULL;
     *packing = NULL;
     if (c->voxels.file[0]) {
-        st = build_from_voxels(c, &m, err);
+        st = build_from_voxels(c, out, err);
         if (st != PH_OK)
             ph_error_prefix(err, "%s:%d: microstructure.voxels: ", c->path,
                             c->voxels.line);
         PH_TRY(st);
     } else {
-        PH_TRY(ph_grid_init(&grid, c->kinematics, c->nodes, c->size, err));
-        PH_TRY(ph_microstructure_new(&grid, c->nmaterials, c->materials, &m, err));
-        PH_TRY(build_from_shapes(c, m, &p, err));
+        if (c->nfillers > 0) PH_TRY(ph_rve_place(c, &p, err));
+        PH_TRY(ph_rve_paint(c, p, out, err));
     }
-    *out = m;
     *packing = p;
-    m = NULL;
     p = NULL;
 out:
-    ph_microstructure_free(&m);
+    if (st != PH_OK) ph_microstructure_free(out);
     ph_packing_free(&p);
     return st;
 }

@@ -63,6 +63,7 @@ void ph_i_drop_filler(ph_packing *p);
 double ph_i_separation(const ph_solid *a, const ph_solid *b, const double shift[3],
                        int dimensions, double n[3], double at[3]);
 
-ph_status ph_i_paint_packing(const ph_i_generator *g, ph_canvas *canvas, ph_error *err);
+ph_status ph_i_paint_packing(const ph_case *c, const ph_packing *p, ph_canvas *canvas,
+                             ph_error *err);
 
 #endif

@@ -142,6 +142,9 @@ PH_API void ph_packing_free(ph_packing **packing);
  *          PH_ENOMEM. Cost: linear in the number of fillers up to jamming.
  *  Tested: tests/unit/test_fillers.c, tests/laws/test_placement.c */
 PH_API ph_status ph_rve_place(const ph_case *c, ph_packing **out, ph_error *err);
+/** Inclusions and a packing (NULL: none) on the grid of the case. */
+PH_API ph_status ph_rve_paint(const ph_case *c, const ph_packing *packing,
+                              ph_microstructure **out, ph_error *err);
 /** Like ph_rve_build, and the fillers that it placed; *packing is NULL where the case has
  *  none. micro->owner is set where it has some. */
 PH_API ph_status ph_rve_generate(const ph_case *c, ph_microstructure **micro,
@@ -152,6 +155,53 @@ PH_API ph_status ph_rve_generate(const ph_case *c, ph_microstructure **micro,
  *          1e-9 of the solids' size), and else the distance to 1e-9; 0 where they overlap. */
 PH_API double ph_solid_distance(const ph_solid *a, const ph_solid *b,
                                 const double shift[3], int dimensions, double enough);
+
+/** What can be said of a microstructure of fillers in a matrix. Owns its arrays. Everything
+ *  is seen at the cell centres, the periodic box is the whole space. */
+typedef struct ph_statistics {
+    int dimensions;
+    double fraction;      /* f: share of the cells that are filler */
+    ptrdiff_t nlags[3];   /* n / 2 + 1 */
+    double *two_point[3]; /* [nlags] P(x and x + lag e_a both filler); 0: f, far away: f^2 */
+    double *lineal_path[3]; /* [nlags] P(all of the lag + 1 cells x .. x + lag are filler) */
+    /* lag where (S2 - f^2) / (f - f^2) falls below 1/e, a length; the largest lag where it
+     * does not, NaN where there is one phase only */
+    double correlation_length[3];
+    double *correlation; /* [cells] S2 at every lag, lag zero in cell n / 2 of each axis */
+    double half_scatter; /* std of the fraction in the 2^d half boxes, over f */
+    /* smallest ratio of the box to the larger of correlation length and longest filler */
+    double size_indicator;
+    ptrdiff_t fillers;
+    double nearest_mean, nearest_std, nearest_min; /* between centres; NaN below 2 */
+    ptrdiff_t clusters;      /* of fillers that touch: neighbouring cells, corners too */
+    ptrdiff_t largest;       /* fillers in the largest */
+    bool percolates[3];      /* some connected filler reaches its own image along an axis */
+    double agglomerate_volume; /* xi: share of the box in the agglomerates */
+    double agglomerate_share;  /* zeta: share of the filler in them [Shi2004] */
+} ph_statistics;
+/** @param[in] packing of ph_rve_generate, or NULL: every material but `matrix` is filler,
+ *             and nothing is said of single fillers
+ *  @return PH_OK; PH_EINVAL; PH_ENOMEM. Cost: two FFTs and some passes over the cells.
+ *  Tested: tests/unit/test_statistics.c */
+PH_API ph_status ph_rve_statistics(const ph_microstructure *micro,
+                                   const ph_packing *packing, int matrix,
+                                   ph_statistics **out, ph_error *err);
+PH_API void ph_statistics_free(ph_statistics **statistics);
+
+/** Pictures of the fillers, each with its own colour: 2D as it is; 3D the three slices
+ *  through the middle and a shaded orthographic view of the box without its matrix.
+ *  @return PH_OK; PH_EINVAL; PH_EIO; PH_ENOMEM. Tested: tests/unit/test_fillers.c */
+PH_API ph_status ph_rve_write_picture(const char *path, const ph_microstructure *micro,
+                                      int matrix, const char *title, ph_error *err);
+
+/** Phases and owners of a microstructure as an .h5 file with the datasets /phase and /owner,
+ *  which `voxels: {file, owners: /owner}` reads back bit for bit (cuts are not kept). */
+PH_API ph_status ph_rve_write_owners(const char *path, const ph_microstructure *micro,
+                                     ph_error *err);
+/** Dataset of whole numbers 0 .. 2^31 - 1 with n cells. @param[out] owner [cells] */
+PH_API ph_status ph_rve_read_owners(const char *path, const char *dataset,
+                                    int dimensions, const ptrdiff_t n[3], int32_t *owner,
+                                    ph_error *err);
 
 /** Voxel values of a file, by its ending: .h5 .hdf5, .npy, .png, .raw. Values are 0..65535.
  *  Never takes more memory than a small multiple of what the file holds.

@@ -79,7 +79,8 @@ static ph_status check_writable(const char *dir, ph_error *err)
     PH_TRY(check_name(dir, err));
     strcpy(at, dir);
     /* What is not there yet will be made in the nearest folder that is. */
-    while (stat(at, &s) != 0 && errno == ENOENT && strcmp(at, "/") && strcmp(at, "."))
+    while (stat(at, &s) != 0 && errno == ENOENT && strcmp(at, "/") != 0 &&
+           strcmp(at, ".") != 0)
         parent_of(at);
     PH_CHECK(stat(at, &s) == 0, PH_EIO, "%s: %s", dir, strerror(errno));
     PH_CHECK(S_ISDIR(s.st_mode), PH_EIO, "%s is not a folder", at);

@@ -77,8 +77,12 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
         extra += r->op->has_cells ? e.modes
                                   : e.modes - theta / (1.0 - theta + 1e-300) * e.mean;
     ph_result *res = r->result;
-    res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
+    double solid = res->voigt.m[load][load];
     res->strain_average = fmax(res->strain_average, sqrt(off / size));
+    /* Layers with nothing between them: a load without energy has no share of it. */
+    if (fabs(total) <= no_load * (ph_i_run_by_stress(r, load) ? 1.0 / solid : solid))
+        return;
+    res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
     res->stabilisation_energy =
         fmax(res->stabilisation_energy, fabs(extra) / n / fabs(total));
     for (int i = 0; r->op->springs && i < ns; i++)
@@ -175,7 +179,7 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
     int count = 0, number = 0;
     if (r->constraint->by_stress) loads = all; /* the compliance is inverted as a whole */
     for (int a = 0; a < r->map->ns; a++)
-        count += (loads >> a) & 1;
+        count += (loads >> a & 1) != 0;
     PH_ALLOC(res->fields, count, "fields");
     r->columns.n = r->map->ns;
     for (int a = 0; a < r->map->ns; a++) {

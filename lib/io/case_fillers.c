@@ -119,7 +119,7 @@ static void confine(ph_i_reader *r, const ph_i_node *node, const char *what, dou
     }
     if (ph_distributions[d->kind].truncates) {
         d->min = fmax(d->min, open ? 1e-30 : lo); /* open: lo is 0 */
-        d->max = fmin(d->max, hi);
+        if (hi < 1e59) d->max = fmin(d->max, hi);
         if (d->min > d->max || ph_distribution_check(d, &why) != PH_OK)
             ph_i_reject(r, node, PH_EUNPHYSICAL, "it never gives an admissible %s%s",
                         what, open ? ", which is > 0" : "");

@@ -86,6 +86,7 @@ static json_t *voxels_to_json(const ph_case *c, bool *good)
     json_t *map = json_object(), *materials = json_object();
     put(map, "file", json_string(v->file), good);
     if (v->dataset[0]) put(map, "dataset", json_string(v->dataset), good);
+    if (v->owners[0]) put(map, "owners", json_string(v->owners), good);
     if (v->type[0]) put(map, "type", json_string(v->type), good);
     for (int i = 0; i < v->nmaterials; i++) {
         char value[16];

@@ -7,7 +7,8 @@ static const char *const microstructure_keys[] = {"dimension", "plane",     "siz
                                                   "nodes",     "matrix",    "inclusions",
                                                   "voxels",    "interface", "seed",
                                                   "fillers",   "realisation"};
-static const char *const voxel_keys[] = {"file", "dataset", "materials", "type"};
+static const char *const voxel_keys[] = {"file", "dataset", "materials", "type",
+                                           "owners"};
 static const char *const voxel_endings[] = {".h5", ".npy", ".png", ".raw"};
 
 enum { MAX_NODES_PER_AXIS = 65536, MAX_VOXEL_VALUES = 256 };
@@ -106,12 +107,14 @@ static const char *ending_of(const char *file)
 static void read_voxel_format(ph_i_reader *r, const ph_i_node *map, const char *ending)
 {
     ph_voxels *v = &r->c->voxels;
-    const ph_i_node *dataset = ph_i_get(map, "dataset"), *type = ph_i_get(map, "type");
+    const ph_i_node *dataset = ph_i_get(map, "dataset"), *type = ph_i_get(map, "type"),
+                    *owners = ph_i_get(map, "owners");
     if (strcmp(ending, ".h5") == 0) {
         snprintf(v->dataset, sizeof v->dataset, "/phase");
         if (dataset) ph_i_read_text(r, dataset, sizeof v->dataset, v->dataset);
-    } else if (dataset) {
-        ph_i_complain(r, dataset, PH_EINVAL, "belongs to .h5 files only");
+        if (owners) ph_i_read_text(r, owners, sizeof v->owners, v->owners);
+    } else if (dataset || owners) {
+        ph_i_complain(r, dataset ? dataset : owners, PH_EINVAL, "belongs to .h5 files only");
     }
     if (strcmp(ending, ".raw") == 0) {
         type = ph_i_need(r, map, "type", "a .raw file needs uint8, uint16 or int32");

@@ -110,8 +110,8 @@ static ph_status reserve(ph_stiffness_map *map, const ph_microstructure *micro,
              "too many cut cells (%td)", mixed);
     /* One more entry than there are materials: empty space around the RVE. */
     map->count = map->materials + 1 + (int)mixed;
-    PH_DOUBLES(map->c, meter, (size_t)map->count * (size_t)(map->ns * map->ns),
-               "the stiffness of cut cells");
+    map->reserved = (size_t)map->count * (size_t)(map->ns * map->ns);
+    PH_DOUBLES(map->c, meter, map->reserved, "the stiffness of cut cells");
     PH_ALLOC(map->hooke, map->count, "stiffness kinds");
     PH_ALLOC(map->index, map->cells, "the stiffness index");
     meter->bytes += sizeof *map->index * (size_t)map->cells;
@@ -176,6 +176,8 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
         used[micro->cuts[i].material] = true;
         if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
     }
+    for (ptrdiff_t x = 0; source && x < cells; x++) /* a collar of its own material */
+        if (source[x] <= -2) used[-2 - source[x]] = true;
     measure(map, phase, used);
     PH_TRY(index_rve(map, micro, composite, phase, entry, err));
     for (ptrdiff_t x = 0; x < cells; x++) {
@@ -198,7 +200,7 @@ void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map)
 {
     if (!map || !*map) return;
     ph_stiffness_map *m = *map;
-    free(m->c); /* counted with its first size, which is what the meter keeps as peak */
+    ph_i_doubles_free(meter, &m->c, m->reserved);
     free(m->hooke);
     if (m->index && meter) meter->bytes -= sizeof *m->index * (size_t)m->cells;
     free(m->index);

@@ -14,6 +14,7 @@ typedef struct ph_stiffness_map {
     ptrdiff_t cells; /* of the box that is solved */
     int count;       /* distinct tensors: the materials, then one per cut cell */
     int materials;
+    size_t reserved; /* doubles of c as they were counted */
     double *c;       /* [count][ns*ns] Mandel */
     ph_hooke *hooke; /* [count] */
     int32_t *index;  /* [cells] into c */

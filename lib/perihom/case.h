@@ -36,6 +36,7 @@ typedef struct ph_voxels {
     int nmaterials;
     int materials[256]; /* material of voxel value v, or -1 where value v has none */
     char type[16];      /* .raw: "uint8", "uint16", "int32" */
+    char owners[128];   /* .h5: dataset with the filler of each cell; "" : none */
     int line;
 } ph_voxels;
 

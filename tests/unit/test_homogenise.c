@@ -134,12 +134,43 @@ static void one_cell(void **state)
     CHECK_END();
 }
 
+/* Plates with nothing between them resist only along themselves: two loads cost no energy,
+ * and what is left of it is not measured against itself. */
+static void loads_without_energy(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_material m[2];
+    ph_grid g;
+    ph_microstructure *micro = NULL;
+    ph_result *res = NULL;
+    ptrdiff_t n[2] = {16, 16};
+    double size[2] = {1, 1};
+    CHECK_OK(ph_material_isotropic("plate", 3.0, 0.3, &m[0], &err));
+    m[1] = ph_material_void("gap");
+    CHECK_OK(ph_grid_init(&g, PH_PLANE_STRESS, n, size, &err));
+    CHECK_OK(ph_microstructure_new(&g, 2, m, &micro, &err));
+    for (int x = 0; x < 256; x++)
+        micro->phase[x] = x >= 64 && x < 192;
+    ph_problem p = {.micro = micro};
+    CHECK_OK(ph_homogenise(&p, NULL, &res, &err));
+    if (res) {
+        CHECK_ABS(res->stiffness.m[1][1], 1.5, 1e-12); /* half of E */
+        CHECK_ABS(res->stiffness.m[0][0], 0.0, 1e-12);
+        CHECK(res->hill_mandel < 1e-9 && res->stabilisation_energy < 1e-9);
+    }
+    ph_result_free(&res);
+    ph_microstructure_free(&micro);
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bad_problems),
         cmocka_unit_test(not_converged),
         cmocka_unit_test(one_cell),
+        cmocka_unit_test(loads_without_energy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
