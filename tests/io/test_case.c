@@ -299,10 +299,10 @@ static void test_overrides(void **state)
     CHECK(c->model.horizon == 0.25 && c->model.horizon_is_length);
     CHECK_TEXT(c->constraint.kind, "linear_displacement");
     ph_case_free(&c);
-    CHECK_TEXT(complaint(text, "model.kind=nsob"),
-               "t.yaml: --set model.kind: 'nsob' is not admissible: must be nosb, local "
-               "or bond; did "
-               "you mean 'nosb'?");
+    CHECK_TEXT(
+        complaint(text, "model.kind=nsob"),
+        "t.yaml: --set model.kind: 'nsob' is not admissible: must be nosb, local or "
+        "bond; did you mean 'nosb'?");
     CHECK_TEXT(
         complaint(text, "materials.fibre.nu=0.62"),
         "t.yaml: --set materials.fibre.nu: 0.62 is not admissible: Poisson's ratio must "
