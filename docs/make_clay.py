@@ -3,7 +3,7 @@
 """Makes the tables and figures of docs/validation/epoxy-clay.md again.
 
     ninja -C build tests/clay_table
-    python3 docs/make_clay.py [--table build/tests/clay_table] [--cache FOLDER] [--draw]
+    python3 docs/make_clay.py [--table build/tests/clay_table] [--cache FOLDER] [--draw] [--only PART ...]
 
 Needs python3-matplotlib (Debian). Every number is a mean over realisations that clay_table
 computes; answers are kept in --cache by case text and overrides, delete it after a change of the
@@ -70,9 +70,9 @@ def box(size, nodes):
 # ---- contents of clay ------------------------------------------------------------------------
 
 VALIDATION = {
-    "exfoliated": dict(case="epoxy-clay-exfoliated", Em=1.96, contents=(1, 2.5, 3.5, 5), n=24,
+    "exfoliated": dict(case="epoxy-clay-exfoliated", Em=1.96, contents=(1, 2.5, 3.5, 5), n=16,
                        title="exfoliated: $\\kappa$ = 15, calibrated on 5 wt %", stated=4, tests={}),
-    "agglomerated": dict(case="epoxy-clay-agglomerated", Em=3.5, contents=(1, 3, 5), n=16,
+    "agglomerated": dict(case="epoxy-clay-agglomerated", Em=3.5, contents=(1, 3, 5), n=8,
                          title="poorly dispersed: $\\kappa$ = 0.05, calibrated on 5 wt %", stated=3,
                          tests={0: 3.50, 3: 3.47}),
 }
@@ -114,7 +114,7 @@ def contents():
 
 # ---- grid, horizon, interphase ------------------------------------------------------------------
 
-N = 16  # realisations
+N = 8  # realisations
 KAPPA = FILLER + "interphase={kappa: %g}"
 NONE = FILLER + "interphase="
 # Platelets that the grids below resolve: 300 nm x 20 nm, the same ones on every grid.
@@ -189,10 +189,11 @@ def main():
     p.add_argument("--table", default=str(ROOT / "build/tests/clay_table"))
     p.add_argument("--cache", default=str(ROOT / "build/clay-cache"))
     p.add_argument("--draw", action="store_true")
+    p.add_argument("--only", nargs="+", default=["kappas", "models", "contents"])
     ARGS = p.parse_args()
-    contents()
-    kappas()
-    models()
+    for part in (kappas, models, contents):
+        if part.__name__ in ARGS.only:
+            part()
 
 
 if __name__ == "__main__":

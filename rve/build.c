@@ -41,8 +41,8 @@ static void drop_covered_cuts(ph_microstructure *m, const ph_packing *p)
     ptrdiff_t kept = 0;
     for (ptrdiff_t k = 0; k < m->ncuts; k++) {
         int32_t owner = m->owner[m->cuts[k].cell];
-        bool node = owner > 0 && p->kind[p->filler[owner - 1].kind].counting ==
-                                     PH_COUNT_NODES;
+        bool node =
+            owner > 0 && p->kind[p->filler[owner - 1].kind].counting == PH_COUNT_NODES;
         if (!node) m->cuts[kept++] = m->cuts[k];
     }
     m->ncuts = kept;
@@ -132,8 +132,8 @@ static ph_status build_from_voxels(const ph_case *c, ph_microstructure **m, ph_e
     PH_TRY(st);
     if (c->voxels.owners[0]) {
         PH_ALLOC((*m)->owner, ph_grid_cells(&grid), "the owners of the cells");
-        PH_TRY(ph_rve_read_owners(path, c->voxels.owners, dimensions_of(c->kinematics),
-                                  n, (*m)->owner, err));
+        PH_TRY(ph_rve_read_owners(path, c->voxels.owners, dimensions_of(c->kinematics), n,
+                                  (*m)->owner, err));
     }
 out:
     free(path);
@@ -158,8 +158,8 @@ out:
     return st;
 }
 
-ph_status ph_rve_generate(const ph_case *c, ph_microstructure **out,
-                          ph_packing **packing, ph_error *err)
+ph_status ph_rve_generate(const ph_case *c, ph_microstructure **out, ph_packing **packing,
+                          ph_error *err)
 {
     ph_status st = PH_OK;
     ph_packing *p = NULL;

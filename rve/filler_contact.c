@@ -20,7 +20,9 @@ static void support(const ph_solid *s, const double shift[3], double scale, int 
     }
     double norm = norm2 > 0 ? sqrt(norm2) : 1;
     for (int i = 0; i < dim; i++) {
-        double t = s->kind[i] == PH_EXTENT_ROUND ? along[i] / norm : along[i] > 0 ? 1 : -1;
+        double t = s->kind[i] == PH_EXTENT_ROUND ? along[i] / norm
+                   : along[i] > 0                ? 1
+                                                 : -1;
         for (int a = 0; a < dim; a++)
             p[a] += scale * t * s->half[i] * s->frame[i][a];
     }

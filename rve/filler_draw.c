@@ -88,9 +88,9 @@ static void covariance(const double m[3], int dim, double b[3])
         for (int i = 0; i < 3; i++)
             x[i] = 1 / b[i];
         for (int i = 0; i < 3; i++) {
-            double E = gsl_sf_ellint_RD(x[(i + 1) % 3], x[(i + 2) % 3], x[i],
-                                        GSL_PREC_DOUBLE) /
-                       (3 * root);
+            double E =
+                gsl_sf_ellint_RD(x[(i + 1) % 3], x[(i + 2) % 3], x[i], GSL_PREC_DOUBLE) /
+                (3 * root);
             worst = fmax(worst, fabs(E - m[i]));
             b[i] *= fmax(m[i], 1e-6) / E;
             largest = fmax(largest, b[i]);
@@ -171,11 +171,12 @@ void ph_i_draw_direction(const ph_filler *f, const double map[9], int dim, ph_ra
         return;
     }
     case PH_ORIENT_VON_MISES: {
-        double angle = dim == 2 ? mises_angle(f->concentration, &r)
-                                : acos(fmin(fmax(fisher_cosine(f->concentration,
-                                                               ph_random_uniform(&r)),
-                                                 -1),
-                                            1));
+        double angle =
+            dim == 2
+                ? mises_angle(f->concentration, &r)
+                : acos(fmin(
+                      fmax(fisher_cosine(f->concentration, ph_random_uniform(&r)), -1),
+                      1));
         about(f->axis, angle, 2 * pi * ph_random_uniform(&r), dim, out);
         return;
     }
@@ -239,8 +240,8 @@ static ph_counting counting_of(const ph_i_generator *g, const ph_filler *f, int 
     return *c;
 }
 
-ph_status ph_i_draw_filler(ph_i_generator *g, int k, const double map[9],
-                           uint64_t number, ph_error *err)
+ph_status ph_i_draw_filler(ph_i_generator *g, int k, const double map[9], uint64_t number,
+                           ph_error *err)
 {
     ph_status st = PH_OK;
     ph_packing *p = g->p;
@@ -258,8 +259,8 @@ ph_status ph_i_draw_filler(ph_i_generator *g, int k, const double map[9],
         x->length = x->thickness * (isnan(ratio) ? 1 : ratio);
     } else {
         x->thickness = quantity(&f->thickness, r, DRAW_THICKNESS);
-        x->length = isnan(ratio) ? quantity(&f->length, r, DRAW_LENGTH)
-                                 : ratio * x->thickness;
+        x->length =
+            isnan(ratio) ? quantity(&f->length, r, DRAW_LENGTH) : ratio * x->thickness;
     }
     x->width = quantity(&f->width, r, DRAW_WIDTH);
     if (isnan(x->width)) x->width = x->length;

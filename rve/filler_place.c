@@ -68,7 +68,8 @@ static ph_status finder_init(finder *s, const ph_i_generator *g, double cell,
     ptrdiff_t most = dim == 2 ? 1024 : 128, total = 1;
     for (int a = 0; a < 3; a++) {
         double size = g->grid.size[a];
-        s->n[a] = a < dim ? (ptrdiff_t)fmin(fmax(floor(size / cell), 1), (double)most) : 1;
+        s->n[a] =
+            a < dim ? (ptrdiff_t)fmin(fmax(floor(size / cell), 1), (double)most) : 1;
         s->h[a] = size / (double)s->n[a];
         total *= s->n[a];
     }
@@ -374,7 +375,8 @@ static bool add_push(void *context, const pair *q)
             w->move[i][a] += sign * missing * n[a];
         }
         ph_i_cross3(arm, n, torque);
-        double inertia = ph_i_dot3(arm, arm) + p->filler[i].reach * p->filler[i].reach / 3;
+        double inertia =
+            ph_i_dot3(arm, arm) + p->filler[i].reach * p->filler[i].reach / 3;
         for (int a = 0; a < 3; a++)
             w->turn[i][a] += sign * missing * torque[a] / inertia;
     }
@@ -489,10 +491,11 @@ static ph_status check_length(const ph_i_generator *g, const ph_placed *x, ph_er
     ph_status st = PH_OK;
     double box = fmin(g->grid.size[0], g->grid.size[1]);
     if (g->p->dimensions == 3) box = fmin(box, g->grid.size[2]);
-    PH_CHECK(x->length <= box, PH_EUNPHYSICAL,
-             "a filler of length %g is longer than the box (%g): enlarge size, or cut the "
-             "distribution with max",
-             x->length, box);
+    PH_CHECK(
+        x->length <= box, PH_EUNPHYSICAL,
+        "a filler of length %g is longer than the box (%g): enlarge size, or cut the "
+        "distribution with max",
+        x->length, box);
 out:
     return st;
 }
@@ -509,9 +512,9 @@ static bool wanted(const ph_i_generator *g, int k)
 
 typedef struct placing {
     finder s;
-    double gap;       /* largest of all kinds; negative: none is kept */
-    double rsa;       /* content that random addition reached, over the box */
-    bool jammed;      /* of the present kind: place the rest anywhere and relax */
+    double gap;  /* largest of all kinds; negative: none is kept */
+    double rsa;  /* content that random addition reached, over the box */
+    bool jammed; /* of the present kind: place the rest anywhere and relax */
 } placing;
 
 static ph_status place_last(ph_i_generator *g, placing *w, int k, uint64_t number,

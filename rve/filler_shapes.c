@@ -10,9 +10,10 @@ static const double pi = 3.14159265358979323846;
 enum { MAX_SEGMENTS = 4096 };
 
 const ph_filler_shape ph_filler_shapes[] = {
-    {{"platelet", "thin sheet, flat or bent to an arc; in 2D a line of some thickness", "",
-      "2D and 3D"},
-     "thickness, aspect_ratio or length, curvature {arc_angle or radius}, width, outline"},
+    {{"platelet", "thin sheet, flat or bent to an arc; in 2D a line of some thickness",
+      "", "2D and 3D"},
+     "thickness, aspect_ratio or length, curvature {arc_angle or radius}, width, "
+     "outline"},
     {{"fibre", "straight, an arc, a helix or a worm-like chain, of round section",
       "Kratky1949", "2D and 3D; helix in 3D"},
      "thickness (its diameter), aspect_ratio or length, curvature {arc_angle, radius, "
@@ -24,8 +25,8 @@ const size_t ph_nfiller_shapes = sizeof ph_filler_shapes / sizeof *ph_filler_sha
 
 /* Centreline of a filler in its own frame, at equal arc lengths. */
 typedef struct line {
-    int n;            /* segments */
-    double (*at)[3];  /* [n + 1] */
+    int n;           /* segments */
+    double (*at)[3]; /* [n + 1] */
 } line;
 
 static void arc_point(double s, double radius, double sign, double out[3])

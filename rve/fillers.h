@@ -50,8 +50,8 @@ void ph_i_draw_direction(const ph_filler *f, const double map[9], int dimensions
 /* Linear map B such that normalised B g, g Gaussian, has the second moment of f->tensor. */
 void ph_i_tensor_map(const ph_filler *f, int dimensions, double map[9]);
 /* Filler `number` of kind k at the end of the packing: everything but its place. */
-ph_status ph_i_draw_filler(ph_i_generator *g, int k, const double map[9],
-                           uint64_t number, ph_error *err);
+ph_status ph_i_draw_filler(ph_i_generator *g, int k, const double map[9], uint64_t number,
+                           ph_error *err);
 /* Chain of solids (and the nodes) of the last filler of the packing. */
 ph_status ph_i_shape_filler(ph_i_generator *g, ph_counting counting, ph_random r,
                             ph_error *err);

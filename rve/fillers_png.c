@@ -99,8 +99,9 @@ static void view_init(view *v, const ph_grid *g)
         v->into[a] = into[a];
     }
     v->size = PANEL;
-    v->scale = 1.05 * sqrt(g->size[0] * g->size[0] + g->size[1] * g->size[1] +
-                           g->size[2] * g->size[2]) /
+    v->scale = 1.05 *
+               sqrt(g->size[0] * g->size[0] + g->size[1] * g->size[1] +
+                    g->size[2] * g->size[2]) /
                PANEL;
 }
 
@@ -195,7 +196,8 @@ static ph_status picture_3d(ph_i_picture *p, const ph_microstructure *m, int mat
         draw_slice(p, x, y, m, matrix, k, size[0], size[1]);
         ph_i_text(p, x, y - 20, 2, names[k], (ph_i_colour){110, 110, 110});
     }
-    PH_TRY(draw_view(p, 2 * MARGIN + PANEL, MARGIN + HEAD + PANEL + HEAD, m, matrix, err));
+    PH_TRY(
+        draw_view(p, 2 * MARGIN + PANEL, MARGIN + HEAD + PANEL + HEAD, m, matrix, err));
 out:
     return st;
 }
@@ -212,8 +214,8 @@ ph_status ph_rve_write_picture(const char *path, const ph_microstructure *m, int
         PH_TRY(picture_3d(&p, m, matrix, err));
     } else {
         panel_size(&m->grid, 0, 1, 900, size);
-        PH_TRY(ph_i_picture_new(size[0] + 2 * MARGIN, size[1] + 2 * MARGIN + HEAD, &p,
-                                err));
+        PH_TRY(
+            ph_i_picture_new(size[0] + 2 * MARGIN, size[1] + 2 * MARGIN + HEAD, &p, err));
         draw_slice(&p, MARGIN, MARGIN + HEAD, m, matrix, 2, size[0], size[1]);
     }
     if (title) ph_i_text(&p, MARGIN, MARGIN / 2, 2, title, (ph_i_colour){34, 34, 34});

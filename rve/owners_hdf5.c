@@ -80,7 +80,8 @@ ph_status ph_rve_read_owners(const char *path, const char *dataset, int dimensio
     PH_CHECK(H5Dread(set, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, owner) >= 0,
              PH_EINVAL, "%s: '%s' cannot be read", path, dataset);
     for (ptrdiff_t c = 0; c < n[0] * n[1] * (dimensions == 3 ? n[2] : 1); c++)
-        PH_CHECK(owner[c] >= 0, PH_EINVAL, "%s: '%s' has a negative owner", path, dataset);
+        PH_CHECK(owner[c] >= 0, PH_EINVAL, "%s: '%s' has a negative owner", path,
+                 dataset);
 out:
     if (space >= 0) H5Sclose(space);
     if (set >= 0) H5Dclose(set);

@@ -91,13 +91,13 @@ PH_API extern const size_t ph_nfiller_shapes;
 
 /** One random filler: a chain of convex solids about its centre. */
 typedef struct ph_placed {
-    int kind;              /* index into the case's fillers */
-    int cluster;           /* agglomerate it belongs to, from 1; 0: none */
-    double centre[3];      /* in the box */
-    double frame[3][3];    /* rows: along it, normal, third (2D: axis 3) */
+    int kind;           /* index into the case's fillers */
+    int cluster;        /* agglomerate it belongs to, from 1; 0: none */
+    double centre[3];   /* in the box */
+    double frame[3][3]; /* rows: along it, normal, third (2D: axis 3) */
     double length, thickness, width, bend;
-    double content;        /* nodes, or true area (2D) or volume */
-    double reach;          /* no point of it is farther from the centre */
+    double content;         /* nodes, or true area (2D) or volume */
+    double reach;           /* no point of it is farther from the centre */
     ptrdiff_t first, count; /* of its solids, whose centres are relative to its own */
     ptrdiff_t first_point, npoints; /* counting nodes: its nodes */
 } ph_placed;
@@ -106,10 +106,10 @@ typedef struct ph_placed {
 typedef struct ph_filler_report {
     ph_counting counting; /* PH_COUNT_NODES or PH_COUNT_AREA, never AUTO */
     ptrdiff_t count;
-    double target;  /* volume fraction asked for; NaN where a count was */
-    double reached; /* content of all of them over the box; overlaps count twice */
-    double largest; /* content of the largest one over the box */
-    double tensor[9]; /* second-order orientation tensor, by number; 2D: axes 1 and 2 */
+    double target;     /* volume fraction asked for; NaN where a count was */
+    double reached;    /* content of all of them over the box; overlaps count twice */
+    double largest;    /* content of the largest one over the box */
+    double tensor[9];  /* second-order orientation tensor, by number; 2D: axes 1 and 2 */
     ptrdiff_t relaxed; /* fillers that random addition could not place */
     int sweeps;        /* of the relaxation, 0: not needed */
 } ph_filler_report;
@@ -160,22 +160,25 @@ PH_API double ph_solid_distance(const ph_solid *a, const ph_solid *b,
  *  is seen at the cell centres, the periodic box is the whole space. */
 typedef struct ph_statistics {
     int dimensions;
-    double fraction;      /* f: share of the cells that are filler */
-    ptrdiff_t nlags[3];   /* n / 2 + 1 */
-    double *two_point[3]; /* [nlags] P(x and x + lag e_a both filler); 0: f, far away: f^2 */
-    double *lineal_path[3]; /* [nlags] P(all of the lag + 1 cells x .. x + lag are filler) */
+    double fraction;    /* f: share of the cells that are filler */
+    ptrdiff_t nlags[3]; /* n / 2 + 1 */
+    double
+        *two_point[3]; /* [nlags] P(x and x + lag e_a both filler); 0: f, far away: f^2 */
+    double
+        *lineal_path[3]; /* [nlags] P(all of the lag + 1 cells x .. x + lag are filler) */
     /* lag where (S2 - f^2) / (f - f^2) falls below 1/e, a length; the largest lag where it
      * does not, NaN where there is one phase only */
     double correlation_length[3];
-    double *correlation; /* [cells] S2 at every lag, lag zero in cell n / 2 of each axis */
+    double
+        *correlation; /* [cells] S2 at every lag, lag zero in cell n / 2 of each axis */
     double half_scatter; /* std of the fraction in the 2^d half boxes, over f */
     /* smallest ratio of the box to the larger of correlation length and longest filler */
     double size_indicator;
     ptrdiff_t fillers;
     double nearest_mean, nearest_std, nearest_min; /* between centres; NaN below 2 */
-    ptrdiff_t clusters;      /* of fillers that touch: neighbouring cells, corners too */
-    ptrdiff_t largest;       /* fillers in the largest */
-    bool percolates[3];      /* some connected filler reaches its own image along an axis */
+    ptrdiff_t clusters; /* of fillers that touch: neighbouring cells, corners too */
+    ptrdiff_t largest;  /* fillers in the largest */
+    bool percolates[3]; /* some connected filler reaches its own image along an axis */
     double agglomerate_volume; /* xi: share of the box in the agglomerates */
     double agglomerate_share;  /* zeta: share of the filler in them [Shi2004] */
 } ph_statistics;
@@ -199,9 +202,8 @@ PH_API ph_status ph_rve_write_picture(const char *path, const ph_microstructure 
 PH_API ph_status ph_rve_write_owners(const char *path, const ph_microstructure *micro,
                                      ph_error *err);
 /** Dataset of whole numbers 0 .. 2^31 - 1 with n cells. @param[out] owner [cells] */
-PH_API ph_status ph_rve_read_owners(const char *path, const char *dataset,
-                                    int dimensions, const ptrdiff_t n[3], int32_t *owner,
-                                    ph_error *err);
+PH_API ph_status ph_rve_read_owners(const char *path, const char *dataset, int dimensions,
+                                    const ptrdiff_t n[3], int32_t *owner, ph_error *err);
 
 /** Voxel values of a file, by its ending: .h5 .hdf5, .npy, .png, .raw. Values are 0..65535.
  *  Never takes more memory than a small multiple of what the file holds.

@@ -70,9 +70,9 @@ static ph_status two_point(const ph_grid *g, const uint8_t *filler, ph_statistic
     for (ptrdiff_t i = 0; i < n[0]; i++)
         for (ptrdiff_t j = 0; j < n[1]; j++)
             for (ptrdiff_t k = 0; k < n[2]; k++) {
-                ptrdiff_t to = ((i + n[0] / 2) % n[0] * n[1] + (j + n[1] / 2) % n[1]) *
-                                   n[2] +
-                               (k + n[2] / 2) % n[2];
+                ptrdiff_t to =
+                    ((i + n[0] / 2) % n[0] * n[1] + (j + n[1] / 2) % n[1]) * n[2] +
+                    (k + n[2] / 2) % n[2];
                 s->correlation[to] = s2[(i * n[1] + j) * n[2] + k];
             }
 out:
@@ -136,8 +136,8 @@ static double half_scatter(const ph_grid *g, const uint8_t *filler, double f)
     for (ptrdiff_t i = 0; i < g->n[0]; i++)
         for (ptrdiff_t j = 0; j < g->n[1]; j++)
             for (ptrdiff_t k = 0; k < g->n[2]; k++, c++) {
-                int b = (i >= g->n[0] / 2) + 2 * (j >= g->n[1] / 2) +
-                        4 * (k >= g->n[2] / 2);
+                int b =
+                    (i >= g->n[0] / 2) + 2 * (j >= g->n[1] / 2) + 4 * (k >= g->n[2] / 2);
                 all[b] += 1;
                 in[b] += filler[c] != 0;
             }

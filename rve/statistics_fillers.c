@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Statistics of single fillers: neighbours, clusters, percolation, agglomerates. */
-#include "statistics.h"
-
 #include "core/check.h"
+#include "statistics.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,8 +7,8 @@
 
 #include "check.h"
 
-static inline ph_status filler_parse(int dim, int n, const char *fillers, const char *more,
-                                     ph_case **c, ph_error *err)
+static inline ph_status filler_parse(int dim, int n, const char *fillers,
+                                     const char *more, ph_case **c, ph_error *err)
 {
     char text[4096], nodes[64];
     snprintf(nodes, sizeof nodes, dim == 3 ? "%d, %d, %d" : "%d, %d", n, n, n);
@@ -20,8 +20,8 @@ static inline ph_status filler_parse(int dim, int n, const char *fillers, const 
              "  i: {E: 3, nu: 0.3}\n"
              "microstructure:\n  dimension: %d\n%s  size: [%s]\n  nodes: [%s]\n"
              "  matrix: m\n%s  fillers: [%s]\n",
-             dim, dim == 2 ? "  plane: strain\n" : "",
-             dim == 2 ? "64, 64" : "64, 64, 64", nodes, more, fillers);
+             dim, dim == 2 ? "  plane: strain\n" : "", dim == 2 ? "64, 64" : "64, 64, 64",
+             nodes, more, fillers);
     return ph_case_parse(text, strlen(text), "t.yaml", NULL, 0, c, NULL, err);
 }
 

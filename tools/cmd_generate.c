@@ -183,14 +183,13 @@ static json_t *reports_json(const built *b)
         for (int i = 0; i < dim; i++)
             json_array_append_new(tensor, numbers_json(&r->tensor[3 * i], dim));
         json_array_append_new(
-            list,
-            json_pack("{s:s, s:s, s:I, s:s, s:o, s:f, s:f, s:o, s:I, s:i}", "shape",
-                      b->c->fillers[k].shape, "material",
-                      b->micro->materials[b->c->fillers[k].material].name, "count",
-                      (json_int_t)r->count, "counting", counting_name(r), "target",
-                      number_json(r->target), "content", r->reached, "largest", r->largest,
-                      "orientation_tensor", tensor, "relaxed", (json_int_t)r->relaxed,
-                      "sweeps", r->sweeps));
+            list, json_pack("{s:s, s:s, s:I, s:s, s:o, s:f, s:f, s:o, s:I, s:i}", "shape",
+                            b->c->fillers[k].shape, "material",
+                            b->micro->materials[b->c->fillers[k].material].name, "count",
+                            (json_int_t)r->count, "counting", counting_name(r), "target",
+                            number_json(r->target), "content", r->reached, "largest",
+                            r->largest, "orientation_tensor", tensor, "relaxed",
+                            (json_int_t)r->relaxed, "sweeps", r->sweeps));
     }
     return list;
 }

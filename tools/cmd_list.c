@@ -40,9 +40,9 @@ static size_t gather(ph_catalogue all[MAX_CATALOGUES])
         all[n++] = *c;
     all[n++] = (ph_catalogue){"shapes", "inclusions that a case can place", ph_shapes,
                               &ph_nshapes, sizeof *ph_shapes};
-    all[n++] = (ph_catalogue){"fillers", "random fillers that a case can place",
-                              ph_filler_shapes, &ph_nfiller_shapes,
-                              sizeof *ph_filler_shapes};
+    all[n++] =
+        (ph_catalogue){"fillers", "random fillers that a case can place",
+                       ph_filler_shapes, &ph_nfiller_shapes, sizeof *ph_filler_shapes};
     all[n++] = (ph_catalogue){"materials", "built-in material data", NULL, &nmaterials,
                               sizeof(ph_entry)};
     return n;

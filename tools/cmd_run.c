@@ -109,6 +109,8 @@ static ph_status write_files(const run *r, ph_error *err)
     destination_file(&to, "result.json", path, sizeof path);
     PH_TRY(ph_write_file(path, r->json, strlen(r->json), err));
     PH_TRY(stop_if_interrupted(err));
+    /* Another run may have ended in the same folder meanwhile. */
+    PH_TRY(destination_check(r->dir, r->case_json, r->options->force, err));
     PH_TRY(destination_commit(&to, err));
 out:
     destination_discard(&to);

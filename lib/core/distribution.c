@@ -154,8 +154,8 @@ ph_status ph_distribution_check(const ph_distribution *d, ph_error *err)
     for (int i = 0; i < PH_DISTRIBUTION_KEYS; i++)
         PH_CHECK(isfinite(p[i]), PH_EUNPHYSICAL, "parameters must be finite");
     if (d->kind == UNIFORM || d->kind == DISCRETE)
-        PH_CHECK(p[0] <= p[1], PH_EUNPHYSICAL, "min (%g) must not be larger than max (%g)",
-                 p[0], p[1]);
+        PH_CHECK(p[0] <= p[1], PH_EUNPHYSICAL,
+                 "min (%g) must not be larger than max (%g)", p[0], p[1]);
     if (d->kind == DISCRETE)
         PH_CHECK(p[2] > 0, PH_EUNPHYSICAL, "step must be > 0, got %g", p[2]);
     if (d->kind == NORMAL || d->kind == LOGNORMAL)
@@ -190,8 +190,7 @@ double ph_distribution_cdf(const ph_distribution *d, double x)
 double ph_distribution_quantile(const ph_distribution *d, double u)
 {
     const ph_distribution_kind *kind = &ph_distributions[d->kind];
-    if (!kind->truncates || (isinf(d->min) && isinf(d->max)))
-        return kind->quantile(d, u);
+    if (!kind->truncates || (isinf(d->min) && isinf(d->max))) return kind->quantile(d, u);
     double a = isinf(d->min) ? 0 : kind->cdf(d, d->min),
            b = isinf(d->max) ? 1 : kind->cdf(d, d->max), v = a + u * (b - a);
     if (v <= 0 || v >= 1) return fmin(fmax(d->p[0], d->min), d->max);

@@ -80,11 +80,11 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
     double solid = res->voigt.m[load][load];
     res->strain_average = fmax(res->strain_average, sqrt(off / size));
     /* Layers with nothing between them: a load without energy has no share of it. */
-    if (fabs(total) <= no_load * (ph_i_run_by_stress(r, load) ? 1.0 / solid : solid))
-        return;
-    res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
-    res->stabilisation_energy =
-        fmax(res->stabilisation_energy, fabs(extra) / n / fabs(total));
+    if (fabs(total) > no_load * (ph_i_run_by_stress(r, load) ? 1.0 / solid : solid)) {
+        res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
+        res->stabilisation_energy =
+            fmax(res->stabilisation_energy, fabs(extra) / n / fabs(total));
+    }
     for (int i = 0; r->op->springs && i < ns; i++)
         res->bond.virial.m[i][load] = stress[i];
     res->bond.virial.n = ns;

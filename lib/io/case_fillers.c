@@ -98,8 +98,8 @@ static bool read_parameters(ph_i_reader *r, const ph_i_node *map, ph_distributio
     for (size_t i = 0; i < known.count; i++) {
         static const char rule[] = "must be a number";
         double *to = i < needed ? &d->p[i] : i == needed ? &d->min : &d->max;
-        const ph_i_node *x = i < needed ? ph_i_need(r, map, names[i], rule)
-                                        : ph_i_get(map, names[i]);
+        const ph_i_node *x =
+            i < needed ? ph_i_need(r, map, names[i], rule) : ph_i_get(map, names[i]);
         if (!x) good &= i >= needed;
         if (x) good &= ph_i_read_number(r, x, -1e60, 1e60, rule, to);
     }
@@ -371,8 +371,7 @@ static void read_clusters(ph_i_reader *r, const ph_i_node *map, ph_filler *f)
                     *radius = ph_i_need(r, map, "radius", "must be a length > 0"),
                     *share = ph_i_need(r, map, "share", "must be >= 0 and <= 1");
     if (count) ph_i_read_integer(r, count, 1, 1000000, "must be an integer >= 1", &n);
-    if (radius)
-        ph_i_read_positive(r, radius, "must be a length > 0", &f->cluster_radius);
+    if (radius) ph_i_read_positive(r, radius, "must be a length > 0", &f->cluster_radius);
     if (share)
         ph_i_read_number(r, share, -1e-300, nextafter(1, 2), "must be >= 0 and <= 1",
                          &f->cluster_share);
@@ -442,7 +441,7 @@ static void check_filler_keys(ph_i_reader *r, const ph_i_node *map, int shape)
 static void check_box(ph_i_reader *r, const ph_i_node *map, const ph_filler *f, int shape)
 {
     double box = r->c->size[0], lo, hi, tlo = 1, thi = 1;
-    const ph_distribution *d = shape == PARTICLE   ? &f->size
+    const ph_distribution *d = shape == PARTICLE     ? &f->size
                                : f->length.kind >= 0 ? &f->length
                                                      : &f->aspect_ratio;
     for (int a = 1; a < r->dimension; a++)

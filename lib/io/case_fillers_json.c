@@ -125,8 +125,8 @@ static json_t *filler(const ph_case *c, const ph_filler *f, int dimension, bool 
             put(layer, "kappa", json_real(f->interphase_kappa), good);
         } else {
             put(layer, "thickness", json_real(f->interphase_thickness), good);
-            put(layer, "material",
-                json_string(c->materials[f->interphase_material].name), good);
+            put(layer, "material", json_string(c->materials[f->interphase_material].name),
+                good);
         }
         put(map, "interphase", layer, good);
     }

@@ -3,12 +3,11 @@
 
 #include <string.h>
 
-static const char *const microstructure_keys[] = {"dimension", "plane",     "size",
-                                                  "nodes",     "matrix",    "inclusions",
-                                                  "voxels",    "interface", "seed",
-                                                  "fillers",   "realisation"};
+static const char *const microstructure_keys[] = {
+    "dimension", "plane",     "size", "nodes",   "matrix",     "inclusions",
+    "voxels",    "interface", "seed", "fillers", "realisation"};
 static const char *const voxel_keys[] = {"file", "dataset", "materials", "type",
-                                           "owners"};
+                                         "owners"};
 static const char *const voxel_endings[] = {".h5", ".npy", ".png", ".raw"};
 
 enum { MAX_NODES_PER_AXIS = 65536, MAX_VOXEL_VALUES = 256 };
@@ -114,7 +113,8 @@ static void read_voxel_format(ph_i_reader *r, const ph_i_node *map, const char *
         if (dataset) ph_i_read_text(r, dataset, sizeof v->dataset, v->dataset);
         if (owners) ph_i_read_text(r, owners, sizeof v->owners, v->owners);
     } else if (dataset || owners) {
-        ph_i_complain(r, dataset ? dataset : owners, PH_EINVAL, "belongs to .h5 files only");
+        ph_i_complain(r, dataset ? dataset : owners, PH_EINVAL,
+                      "belongs to .h5 files only");
     }
     if (strcmp(ending, ".raw") == 0) {
         type = ph_i_need(r, map, "type", "a .raw file needs uint8, uint16 or int32");
@@ -160,9 +160,8 @@ static ph_status read_contents(ph_i_reader *r, const ph_i_node *map, ph_error *e
                     *inclusions = ph_i_get(map, "inclusions"),
                     *fillers = ph_i_get(map, "fillers");
     if (voxels) {
-        static const char both[] =
-            "voxels are given too: they stand instead of matrix, "
-            "inclusions and fillers";
+        static const char both[] = "voxels are given too: they stand instead of matrix, "
+                                   "inclusions and fillers";
         if (matrix) ph_i_complain(r, matrix, PH_EINVAL, "%s", both);
         if (inclusions) ph_i_complain(r, inclusions, PH_EINVAL, "%s", both);
         if (fillers) ph_i_complain(r, fillers, PH_EINVAL, "%s", both);

@@ -111,6 +111,10 @@ static void read_bond(ph_i_reader *r, const ph_i_node *node, ph_model_params *mo
         if ((child = ph_i_get(node, other[k])))
             ph_i_complain(r, child, PH_EINVAL, "does not belong to model bond");
     if (!is_bond) return;
+    if (r->c->kinematics == PH_GENERALISED_STRAIN)
+        ph_i_reject(r, ph_i_get(node, "kind"), PH_EINVAL,
+                    "bonds in a plane know no strain along axis 3: give plane: stress or "
+                    "strain, or take nosb");
     if (model->points == PH_POINTS_STRESS)
         ph_i_reject(r, ph_i_get(node, "points"), PH_EINVAL,
                     "the forces of model bond act between nodes");

@@ -322,11 +322,14 @@ static ph_status put_bond(draft_document *d, json_t *effective, const char *miss
     const ph_bond_report *b = &d->result->bond;
     json_t *bond;
     const char *path = "effective.bond.reactions";
-    ph_sym4 nothing = d->result->stiffness;
-    for (int i = 0; i < nothing.n; i++)
-        for (int j = 0; j < nothing.n; j++)
-            nothing.m[i][j] = NAN;
-    bool all = b->has_reactions && !missing[0];
+    ph_sym4 virial = b->virial, reactions = b->reactions;
+    virial.n = reactions.n = d->result->stiffness.n;
+    for (int i = 0; i < virial.n; i++)
+        for (int j = 0; j < virial.n; j++) {
+            bool solved = d->result->loads >> j & 1u;
+            if (!solved) virial.m[i][j] = NAN;
+            if (!solved || !b->has_reactions) reactions.m[i][j] = NAN;
+        }
     PH_TRY(section(effective, "bond", &bond, err));
     PH_TRY(put_text(bond, "micromodulus", b->micromodulus, err));
     if (isfinite(b->power))
@@ -338,11 +341,11 @@ static ph_status put_bond(draft_document *d, json_t *effective, const char *miss
     PH_TRY(ph_i_json_put_number(
         bond, "effective.bond", "kappa", b->kappa, d->reasons,
         "not given: interphase bonds have the harmonic mean of the two moduli", err));
-    PH_TRY(put_matrix(d, bond, "effective.bond.virial", "virial", &d->result->bond.virial,
-                      true, err));
-    PH_TRY(put_matrix(d, bond, path, "reactions", all ? &b->reactions : &nothing, true,
-                      err));
-    if (!all)
+    PH_TRY(put_matrix(d, bond, "effective.bond.virial", "virial", &virial, true, err));
+    PH_TRY(put_matrix(d, bond, path, "reactions", &reactions, true, err));
+    if (missing[0])
+        PH_TRY(put_reason(d, "effective.bond.virial", "load cases were not solved", err));
+    if (missing[0] || !b->has_reactions)
         PH_TRY(put_reason(d, path,
                           b->has_reactions
                               ? "load cases were not solved"

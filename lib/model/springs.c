@@ -12,7 +12,7 @@ static const double same_modulus = 1e-13;
 /* Nanoseconds, measured (docs/theory/bond.md): a bond of the direct sum and a transform per
  * component and cell, a pair of the rest. Fixed, so that the choice does not depend on the
  * load of the machine. */
-static const double ns_bond = 0.16, ns_transform = 4.5, ns_pair = 3.0;
+static const double ns_bond = 0.07, ns_transform = 4.5, ns_pair = 3.0;
 
 /* ---- the products ---------------------------------------------------------------------- */
 

@@ -84,7 +84,7 @@ typedef struct ph_filler {
     double spread;              /* degrees */
     double concentration;
     double tensor[9];
-    double gap; /* least distance between surfaces; NaN: fillers may overlap */
+    double gap;   /* least distance between surfaces; NaN: fillers may overlap */
     int clusters; /* agglomerates; 0: none */
     double cluster_radius, cluster_share;
     double interphase_kappa;     /* 0: not given */
@@ -111,7 +111,7 @@ typedef struct ph_case {
     ph_voxels voxels;
     ph_interface interface;
     uint64_t seed;
-    uint64_t realisation; /* which of the random microstructures of this seed */
+    uint64_t realisation;  /* which of the random microstructures of this seed */
     ph_model_params model; /* strings point to catalogue names */
     ph_constraint_params constraint;
     ph_solver_params solver;

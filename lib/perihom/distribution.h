@@ -14,12 +14,12 @@ enum { PH_TABLE_MAX = 32, PH_DISTRIBUTION_KEYS = 3 };
 
 /** A random quantity: an entry of ph_distributions[] with its parameters. A plain value. */
 typedef struct ph_distribution {
-    int kind;                          /* index into ph_distributions; -1: not given */
-    double p[PH_DISTRIBUTION_KEYS];    /* in the order of the entry's keys */
-    double min, max;                   /* truncation, -INFINITY and INFINITY where none */
-    int n;                             /* table: number of values */
-    double value[PH_TABLE_MAX];        /* table: ascending */
-    double weight[PH_TABLE_MAX];       /* table: share of each value, adding up to 1 */
+    int kind;                       /* index into ph_distributions; -1: not given */
+    double p[PH_DISTRIBUTION_KEYS]; /* in the order of the entry's keys */
+    double min, max;                /* truncation, -INFINITY and INFINITY where none */
+    int n;                          /* table: number of values */
+    double value[PH_TABLE_MAX];     /* table: ascending */
+    double weight[PH_TABLE_MAX];    /* table: share of each value, adding up to 1 */
 } ph_distribution;
 
 /** A kind of distribution. cdf and quantile are those without truncation. */

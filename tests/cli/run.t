@@ -120,3 +120,10 @@ $ perihom run small.yaml -q --set materials.fibre.E=1e14 -o extreme > /dev/null;
 > 4
 > 1
 ! perihom: error: the error of the stress averages is * of the effective tensor: *
+
+# Two cases into one folder at once: the one that ends first is kept, the other one says so.
+$ perihom run small.yaml -q -o both --set microstructure.nodes=[192,192] >/dev/null 2>talk & perihom run small.yaml -q -o both >/dev/null 2>>talk; a=$?; wait $!; echo $((a + $?)); grep -c 'result of another case' talk; ls -A both
+> 5
+> 1
+> phases.png
+> result.json

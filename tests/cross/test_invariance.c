@@ -94,8 +94,8 @@ static ph_microstructure *cell(uint64_t *seed, const ptrdiff_t *n, const double 
 static void units(void **state)
 {
     (void)state;
-    static const double unit[][2] = {{1e20, 1e-9},  {1e-20, 1e9},  {1e12, 1e-3},
-                                     {1e60, 1e-30}, {1e-60, 1e30}, {1e-60, 1e-30}};
+    static const double unit[][2] = {
+        {1e20, 1e-9}, {1e-20, 1e9}, {1e60, 1e-30}, {1e-60, 1e30}};
     uint64_t seed = check_seed();
     ptrdiff_t n[3] = {6, 5, 5};
     for (int i = 0; i < SETUPS; i++) {

@@ -301,8 +301,8 @@ static void test_overrides(void **state)
     ph_case_free(&c);
     CHECK_TEXT(
         complaint(text, "model.kind=nsob"),
-        "t.yaml: --set model.kind: 'nsob' is not admissible: must be nosb or local; did "
-        "you mean 'nosb'?");
+        "t.yaml: --set model.kind: 'nsob' is not admissible: must be nosb, local or "
+        "bond; did you mean 'nosb'?");
     CHECK_TEXT(
         complaint(text, "materials.fibre.nu=0.62"),
         "t.yaml: --set materials.fibre.nu: 0.62 is not admissible: Poisson's ratio must "

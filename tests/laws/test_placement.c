@@ -34,7 +34,9 @@ static void random_solid(int dim, uint64_t *seed, ph_solid *s)
     int round = (int)(4 * check_random(seed)); /* how many round axes: 0, 2 or all */
     for (int i = 0; i < 3; i++) {
         bool is_round = round >= 2 && i >= (round == 2 && dim == 3 ? 1 : 0);
-        s->kind[i] = i >= dim ? PH_EXTENT_FREE : is_round ? PH_EXTENT_ROUND : PH_EXTENT_FLAT;
+        s->kind[i] = i >= dim   ? PH_EXTENT_FREE
+                     : is_round ? PH_EXTENT_ROUND
+                                : PH_EXTENT_FLAT;
         s->half[i] = i < dim ? check_uniform(seed, 0.1, 0.8) : (double)INFINITY;
     }
 }
@@ -49,7 +51,8 @@ static void nearest(const ph_solid *s, int dim, const double x[3], double out[3]
         for (int a = 0; a < dim; a++)
             y[i] += s->frame[i][a] * (x[a] - s->centre[a]);
     for (int i = 0; i < dim; i++) {
-        if (s->kind[i] == PH_EXTENT_FLAT) y[i] = fmin(fmax(y[i], -s->half[i]), s->half[i]);
+        if (s->kind[i] == PH_EXTENT_FLAT)
+            y[i] = fmin(fmax(y[i], -s->half[i]), s->half[i]);
         if (s->kind[i] == PH_EXTENT_ROUND) sum += pow(y[i] / s->half[i], 2);
     }
     if (sum > 1) { /* ellipsoid: y_i = h_i^2 y_i / (h_i^2 + t), t by bisection */
@@ -152,19 +155,27 @@ static void test_gap(void **state)
         bool relaxes; /* more than random addition can place */
         const char *filler;
     } packed[] = {
-        {2, false, "shape: particle, volume_fraction: 0.3, size: 6, placement: {gap: 1.3}"},
-        {2, true, "shape: particle, volume_fraction: 0.70, size: 7, placement: {gap: 0.1}"},
-        {3, true, "shape: particle, volume_fraction: 0.45, size: 14, placement: {gap: 0.2}"},
-        {2, false, "shape: fibre, volume_fraction: 0.2, thickness: 1, length: 30, placement: "
-                   "{gap: 0.5}"},
-        {3, true, "shape: fibre, volume_fraction: 0.22, thickness: 7, length: 42, placement: "
-                  "{gap: 0.3}"},
-        {2, false, "shape: platelet, volume_fraction: 0.1, thickness: 1, length: 25, curvature: "
-                   "{arc_angle: 120}, placement: {gap: 1}"},
-        {3, false, "shape: platelet, volume_fraction: 0.06, thickness: 2, length: 25, "
-                   "curvature: {arc_angle: 60}, placement: {gap: 0.5}"},
-        {2, true, "shape: particle, volume_fraction: 0.6, size: 5, aspect_ratio: 2, placement: "
-                  "{gap: 0.1}"},
+        {2, false,
+         "shape: particle, volume_fraction: 0.3, size: 6, placement: {gap: 1.3}"},
+        {2, true,
+         "shape: particle, volume_fraction: 0.70, size: 7, placement: {gap: 0.1}"},
+        {3, true,
+         "shape: particle, volume_fraction: 0.45, size: 14, placement: {gap: 0.2}"},
+        {2, false,
+         "shape: fibre, volume_fraction: 0.2, thickness: 1, length: 30, placement: "
+         "{gap: 0.5}"},
+        {3, true,
+         "shape: fibre, volume_fraction: 0.22, thickness: 7, length: 42, placement: "
+         "{gap: 0.3}"},
+        {2, false,
+         "shape: platelet, volume_fraction: 0.1, thickness: 1, length: 25, curvature: "
+         "{arc_angle: 120}, placement: {gap: 1}"},
+        {3, false,
+         "shape: platelet, volume_fraction: 0.06, thickness: 2, length: 25, "
+         "curvature: {arc_angle: 60}, placement: {gap: 0.5}"},
+        {2, true,
+         "shape: particle, volume_fraction: 0.6, size: 5, aspect_ratio: 2, placement: "
+         "{gap: 0.1}"},
     };
     for (size_t k = 0; k < sizeof packed / sizeof *packed; k++) {
         char text[400];
@@ -190,7 +201,8 @@ static void test_shift(void **state)
 {
     (void)state;
     static const char *const fillers[] = {
-        "{shape: platelet, material: f, volume_fraction: 0.1, thickness: 0.1, length: 25, "
+        "{shape: platelet, material: f, volume_fraction: 0.1, thickness: 0.1, length: "
+        "25, "
         "curvature: {arc_angle: 90}}",
         "{shape: fibre, material: f, volume_fraction: 0.2, thickness: 5, length: 40}"};
     for (int k = 0; k < 2; k++) {
@@ -229,10 +241,11 @@ static void test_pure(void **state)
     static const char *const more[] = {"", "", "  realisation: 1\n", "  seed: 2\n", ""};
     for (int k = 0; k < 5; k++) {
         char text[300];
-        snprintf(text, sizeof text,
-                 "{shape: fibre, material: f, count: %s, thickness: {uniform: {min: 1, max: "
-                 "2}}, length: {weibull: {shape: 3, scale: 9}}, placement: {gap: 0.5}}",
-                 count[k]);
+        snprintf(
+            text, sizeof text,
+            "{shape: fibre, material: f, count: %s, thickness: {uniform: {min: 1, max: "
+            "2}}, length: {weibull: {shape: 3, scale: 9}}, placement: {gap: 0.5}}",
+            count[k]);
         ph_case *c = filler_case(2, 32, text, more[k]);
         CHECK_OK(ph_rve_place(c, &p[k], &err));
         ph_case_free(&c);
@@ -256,10 +269,11 @@ static void test_cost(void **state)
     for (int k = 0; k < 3; k++) {
         ph_error err = PH_ERROR_INIT;
         ph_packing *p = NULL;
-        ph_case *c = filler_case(2, 32,
-                                 "{shape: fibre, material: f, volume_fraction: 0.15, thickness: "
-                                 "1, length: 8, placement: {gap: 0.2}}",
-                                 "");
+        ph_case *c =
+            filler_case(2, 32,
+                        "{shape: fibre, material: f, volume_fraction: 0.15, thickness: "
+                        "1, length: 8, placement: {gap: 0.2}}",
+                        "");
         c->size[0] = c->size[1] = 64 << k;
         CHECK_OK(ph_rve_place(c, &p, &err));
         per_filler[k] = (double)p->tests / (double)p->n;

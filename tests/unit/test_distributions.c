@@ -25,7 +25,8 @@ static void sample(const ph_distribution *d, uint64_t seed, double *x)
 
 /* Kolmogorov and Smirnov: sup |F_n - F| sqrt(n) is above 1.95 once in a thousand samples.
  * F comes from the formula here, not from the catalogue. */
-static void check_ks(const ph_distribution *d, double (*F)(const ph_distribution *, double))
+static void check_ks(const ph_distribution *d,
+                     double (*F)(const ph_distribution *, double))
 {
     static double x[SAMPLES];
     double worst = 0;
@@ -35,7 +36,8 @@ static void check_ks(const ph_distribution *d, double (*F)(const ph_distribution
         worst = fmax(worst, fmax((i + 1.0) / SAMPLES - f, f - (double)i / SAMPLES));
         CHECK_ABS(ph_distribution_cdf(d, x[i]), f, 1e-9);
     }
-    if (worst * sqrt(SAMPLES) >= 1.95) print_error("%s\n", ph_distributions[d->kind].info.name);
+    if (worst * sqrt(SAMPLES) >= 1.95)
+        print_error("%s\n", ph_distributions[d->kind].info.name);
     CHECK(worst * sqrt(SAMPLES) < 1.95);
 }
 
@@ -112,8 +114,8 @@ static void check_chi2(const ph_distribution *d, const double *value, const doub
 static void test_discrete(void **state)
 {
     (void)state;
-    const double value[] = {0, 15, 30, 45, 60, 75, 90}, seventh[] = {1 / 7., 1 / 7., 1 / 7.,
-                                                    1 / 7., 1 / 7., 1 / 7., 1 / 7.};
+    const double value[] = {0, 15, 30, 45, 60, 75, 90},
+                 seventh[] = {1 / 7., 1 / 7., 1 / 7., 1 / 7., 1 / 7., 1 / 7., 1 / 7.};
     ph_distribution d = make("discrete_uniform", 0, 90, 15);
     check_chi2(&d, value, seventh, 7);
     d = make("table", 0, 0, 0);
@@ -167,10 +169,14 @@ static void test_counters(void **state)
 static void test_errors(void **state)
 {
     (void)state;
-    ph_distribution bad[] = {make("uniform", 3, 1, 0),   make("discrete_uniform", 0, 1, 0),
-                             make("normal", 0, -1, 0),   make("lognormal", -1, 1, 0),
-                             make("weibull", 0, 1, 0),   make("table", 0, 0, 0),
-                             make("normal", NAN, 1, 0),  make("normal", 0, 1, 0),
+    ph_distribution bad[] = {make("uniform", 3, 1, 0),
+                             make("discrete_uniform", 0, 1, 0),
+                             make("normal", 0, -1, 0),
+                             make("lognormal", -1, 1, 0),
+                             make("weibull", 0, 1, 0),
+                             make("table", 0, 0, 0),
+                             make("normal", NAN, 1, 0),
+                             make("normal", 0, 1, 0),
                              {.kind = -1}};
     bad[7].min = 100; /* 100 standard deviations away: never */
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

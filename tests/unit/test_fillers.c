@@ -20,11 +20,15 @@ static void test_amount(void **state)
     (void)state;
     static const char *const fillers[] = {
         "{shape: platelet, material: f, volume_fraction: 0.05, thickness: 0.1, "
-        "aspect_ratio: {normal: {mean: 150, std: 30, min: 10}}, curvature: {arc_angle: 60}}",
-        "{shape: platelet, material: f, volume_fraction: 0.1, thickness: 2, length: {uniform: "
+        "aspect_ratio: {normal: {mean: 150, std: 30, min: 10}}, curvature: {arc_angle: "
+        "60}}",
+        "{shape: platelet, material: f, volume_fraction: 0.1, thickness: 2, length: "
+        "{uniform: "
         "{min: 8, max: 20}}, curvature: {radius: 30}}",
-        "{shape: fibre, material: f, volume_fraction: 0.06, thickness: 3, aspect_ratio: 6}",
-        "{shape: particle, material: f, volume_fraction: 0.3, size: {lognormal: {mean: 6, "
+        "{shape: fibre, material: f, volume_fraction: 0.06, thickness: 3, aspect_ratio: "
+        "6}",
+        "{shape: particle, material: f, volume_fraction: 0.3, size: {lognormal: {mean: "
+        "6, "
         "std: 2}}, aspect_ratio: 1.5}"};
     for (int dim = 2; dim <= 3; dim++)
         for (int k = 0; k < 4; k++) {
@@ -44,10 +48,11 @@ static void test_amount(void **state)
 static void test_weight(void **state)
 {
     (void)state;
-    ph_case *c = filler_case(2, 64,
-                             "{shape: fibre, material: f, weight_fraction: 0.05, thickness: "
-                             "0.5, length: 5}",
-                             "");
+    ph_case *c =
+        filler_case(2, 64,
+                    "{shape: fibre, material: f, weight_fraction: 0.05, thickness: "
+                    "0.5, length: 5}",
+                    "");
     ph_packing *p = place(c);
     CHECK_REL(p->kind[0].target, 0.03537076, 1e-6);
     ph_packing_free(&p);
@@ -67,11 +72,13 @@ static void test_area(void **state)
     } one[] = {
         {2, 64, 1e-9, "shape: particle, size: 20, aspect_ratio: 1.7"},
         {2, 64, 1e-9, "shape: platelet, thickness: 5, length: 30"},
-        {2, 64, 2e-2, "shape: platelet, thickness: 5, length: 40, curvature: {arc_angle: 180}"},
+        {2, 64, 2e-2,
+         "shape: platelet, thickness: 5, length: 40, curvature: {arc_angle: 180}"},
         {3, 32, 1e-3, "shape: fibre, thickness: 9, length: 30"},
         {3, 32, 2e-2, "shape: fibre, thickness: 9, length: 40, curvature: {radius: 25}"},
         {3, 32, 2e-2,
-         "shape: platelet, thickness: 5, length: 30, width: 20, curvature: {arc_angle: 90}"},
+         "shape: platelet, thickness: 5, length: 30, width: 20, curvature: {arc_angle: "
+         "90}"},
         {3, 32, 2e-2, "shape: platelet, thickness: 5, length: 30, outline: disc"},
     };
     for (size_t k = 0; k < sizeof one / sizeof *one; k++) {
@@ -100,10 +107,11 @@ static void check_tensor(int dim, const char *shape, const char *orientation,
 {
     enum { N = 4000 };
     char text[400];
-    snprintf(text, sizeof text,
-             "{shape: %s, material: f, count: %d, thickness: 1, length: 1.5, orientation: "
-             "%s}",
-             shape, N, orientation);
+    snprintf(
+        text, sizeof text,
+        "{shape: %s, material: f, count: %d, thickness: 1, length: 1.5, orientation: "
+        "%s}",
+        shape, N, orientation);
     ph_case *c = filler_case(dim, 8, text, "");
     ph_packing *p = place(c);
     for (int a = 0; a < 9; a++)
@@ -117,7 +125,8 @@ static void test_orientation(void **state)
     (void)state;
     const double third = 1.0 / 3, e = exp(-2 * pow(10 * 3.14159265358979 / 180, 2));
     check_tensor(2, "fibre", "uniform", (double[9]){0.5, 0, 0, 0, 0.5});
-    check_tensor(3, "fibre", "uniform", (double[9]){third, 0, 0, 0, third, 0, 0, 0, third});
+    check_tensor(3, "fibre", "uniform",
+                 (double[9]){third, 0, 0, 0, third, 0, 0, 0, third});
     check_tensor(2, "fibre", "{aligned: {angle: 0, spread: 10}}",
                  (double[9]){(1 + e) / 2, 0, 0, 0, (1 - e) / 2});
     check_tensor(3, "platelet", "{aligned: {axis: [0, 0, 2]}}",
@@ -131,7 +140,8 @@ static void test_orientation(void **state)
                  (double[9]){1 - y, 0, 0, 0, y});
     check_tensor(2, "fibre", "{tensor: [[0.7, 0.2], [0.2, 0.3]]}",
                  (double[9]){0.7, 0.2, 0, 0.2, 0.3});
-    check_tensor(3, "fibre", "{tensor: [[0.6, 0.1, 0], [0.1, 0.3, 0.05], [0, 0.05, 0.1]]}",
+    check_tensor(3, "fibre",
+                 "{tensor: [[0.6, 0.1, 0], [0.1, 0.3, 0.05], [0, 0.05, 0.1]]}",
                  (double[9]){0.6, 0.1, 0, 0.1, 0.3, 0.05, 0, 0.05, 0.1});
     CHECK_END();
 }
@@ -143,13 +153,13 @@ static void test_worm(void **state)
     for (int dim = 2; dim <= 3; dim++) {
         enum { N = 400 };
         const double P = 8, L = 40;
-        double sum = 0, squares = 0,
-               want = 2 * P * L * (1 - P / L * (1 - exp(-L / P)));
-        ph_case *c = filler_case(dim, 16,
-                                 "{shape: fibre, material: f, count: 400, thickness: 0.5, "
-                                 "length: 40, curvature: {persistence_length: 8}, counting: "
-                                 "area}",
-                                 "");
+        double sum = 0, squares = 0, want = 2 * P * L * (1 - P / L * (1 - exp(-L / P)));
+        ph_case *c =
+            filler_case(dim, 16,
+                        "{shape: fibre, material: f, count: 400, thickness: 0.5, "
+                        "length: 40, curvature: {persistence_length: 8}, counting: "
+                        "area}",
+                        "");
         ph_packing *p = place(c);
         for (ptrdiff_t i = 0; i < p->n; i++) {
             const ph_solid *a = &p->solid[p->filler[i].first],
@@ -189,10 +199,11 @@ static void test_layer_and_clusters(void **state)
     ph_packing_free(&p);
     ph_microstructure_free(&m);
     ph_case_free(&c);
-    c = filler_case(2, 128,
-                    "{shape: particle, material: f, volume_fraction: 0.1, size: 1, placement: "
-                    "{clusters: {count: 3, radius: 8, share: 0.7}}}",
-                    "  interface: node_centre\n");
+    c = filler_case(
+        2, 128,
+        "{shape: particle, material: f, volume_fraction: 0.1, size: 1, placement: "
+        "{clusters: {count: 3, radius: 8, share: 0.7}}}",
+        "  interface: node_centre\n");
     CHECK_OK(ph_rve_generate(c, &m, &p, &err));
     CHECK_OK(ph_rve_statistics(m, p, c->matrix, &s, &err));
     /* all 3 balls hold at most 3 pi 64 / 4096 = 0.147 of the box; 0.7 of 520 fillers and
@@ -216,10 +227,11 @@ static void test_files(void **state)
     ph_case *again = NULL;
     snprintf(h5, sizeof h5, "/tmp/test_fillers_%d.h5", (int)getpid());
     snprintf(png, sizeof png, "/tmp/test_fillers_%d.png", (int)getpid());
-    ph_case *c = filler_case(3, 24,
-                             "{shape: fibre, material: f, volume_fraction: 0.1, thickness: 6, "
-                             "length: 30}",
-                             "  interface: node_centre\n");
+    ph_case *c =
+        filler_case(3, 24,
+                    "{shape: fibre, material: f, volume_fraction: 0.1, thickness: 6, "
+                    "length: 30}",
+                    "  interface: node_centre\n");
     CHECK_OK(ph_rve_build(c, &m, &err));
     CHECK_OK(ph_rve_write_owners(h5, m, &err));
     CHECK_OK(ph_rve_write_picture(png, m, 0, "Fibres", &err));
@@ -252,14 +264,17 @@ static void test_round_trip(void **state)
     char *first = NULL, *second = NULL;
     ph_error err = PH_ERROR_INIT;
     ph_case *again = NULL;
-    ph_case *c = filler_case(
-        3, 16,
-        "{shape: fibre, material: f, weight_fraction: 0.01, thickness: {normal: {mean: 1, "
-        "std: 0.1}}, length: {table: {values: [3, 5], weights: [1, 2]}}, curvature: {helix: "
-        "{radius: 2, pitch: 3}}, orientation: {tensor: [[1, 0, 0], [0, 0, 0], [0, 0, 0]]}, "
-        "placement: {gap: 1, clusters: {count: 2, radius: 9, share: 0.5}}, interphase: {kappa: "
-        "0.1}}",
-        "  realisation: 7\n");
+    ph_case *c = filler_case(3, 16,
+                             "{shape: fibre, material: f, weight_fraction: 0.01, "
+                             "thickness: {normal: {mean: 1, "
+                             "std: 0.1}}, length: {table: {values: [3, 5], weights: [1, "
+                             "2]}}, curvature: {helix: "
+                             "{radius: 2, pitch: 3}}, orientation: {tensor: [[1, 0, 0], "
+                             "[0, 0, 0], [0, 0, 0]]}, "
+                             "placement: {gap: 1, clusters: {count: 2, radius: 9, share: "
+                             "0.5}}, interphase: {kappa: "
+                             "0.1}}",
+                             "  realisation: 7\n");
     CHECK_REL(c->model.kappa, 0.1, 0);
     CHECK_OK(ph_case_to_json(c, &first, &err));
     CHECK_OK(ph_case_parse(first, strlen(first), "t.yaml", NULL, 0, &again, NULL, &err));
@@ -280,12 +295,14 @@ static void test_complaints(void **state)
     } bad[] = {
         {"shape: platelt, material: f", "did you mean 'platelet'"},
         {"shape: particle, material: f, size: 3", "give weight_fraction"},
-        {"shape: particle, material: f, size: 3, count: 2, volume_fraction: 0.1", "exclude"},
+        {"shape: particle, material: f, size: 3, count: 2, volume_fraction: 0.1",
+         "exclude"},
         {"shape: particle, material: f, size: 3, volume_fraction: 1.2", "fraction >= 0"},
         {"shape: particle, material: i, size: 3, weight_fraction: 0.1",
          "materials.i.density (the filler) is missing"},
         {"shape: particle, material: f, size: 3, count: 2, thickness: 1", "unknown key"},
-        {"shape: fibre, material: f, thickness: 0, length: 5, count: 1", "never gives|> 0"},
+        {"shape: fibre, material: f, thickness: 0, length: 5, count: 1",
+         "never gives|> 0"},
         {"shape: fibre, material: f, thickness: 1, length: 5, aspect_ratio: 3, count: 1",
          "one of both"},
         {"shape: fibre, material: f, thickness: 1, length: 500, count: 1",
@@ -293,7 +310,8 @@ static void test_complaints(void **state)
         {"shape: fibre, material: f, thickness: 1, length: {uniform: {min: 9, max: 3}}, "
          "count: 1",
          "must not be larger than max"},
-        {"shape: fibre, material: f, thickness: 1, length: {normal: {mean: -90, std: 1}}, "
+        {"shape: fibre, material: f, thickness: 1, length: {normal: {mean: -90, std: "
+         "1}}, "
          "count: 1",
          "never gives an admissible length"},
         {"shape: fibre, material: f, thickness: 1, length: {gauss: {mean: 9}}, count: 1",
@@ -304,16 +322,20 @@ static void test_complaints(void **state)
         {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, curvature: "
          "{arc_angle: 4, radius: 3}",
          "one of arc_angle"},
-        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, curvature: {helix: "
+        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, curvature: "
+         "{helix: "
          "{radius: 1, pitch: 2}}",
          "dimension 3 only"},
-        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, orientation: {tensor: "
+        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, orientation: "
+         "{tensor: "
          "[[0.7, 0], [0, 0.7]]}",
          "trace 1"},
-        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, placement: {overlap: "
+        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, placement: "
+         "{overlap: "
          "true, gap: 2}",
          "one of both"},
-        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, interphase: {kappa: 2, "
+        {"shape: fibre, material: f, thickness: 1, length: 9, count: 1, interphase: "
+         "{kappa: 2, "
          "thickness: 2}",
          "not both"},
     };
@@ -341,12 +363,15 @@ static void test_placing_errors(void **state)
     static const struct {
         const char *filler, *says;
     } bad[] = {
-        {"shape: particle, material: f, volume_fraction: 0.95, size: 12, placement: {gap: 0}",
+        {"shape: particle, material: f, volume_fraction: 0.95, size: 12, placement: "
+         "{gap: 0}",
          "random addition reached the fraction"},
-        {"shape: fibre, material: f, count: 50, thickness: 1, length: {uniform: {min: 20, max: "
+        {"shape: fibre, material: f, count: 50, thickness: 1, length: {uniform: {min: "
+         "20, max: "
          "90}}",
          "longer than the box"},
-        {"shape: fibre, material: f, count: 1, thickness: 1, length: 40, curvature: {radius: "
+        {"shape: fibre, material: f, count: 1, thickness: 1, length: 40, curvature: "
+         "{radius: "
          "3}",
          "closes on itself"},
     };
@@ -368,11 +393,11 @@ static void test_placing_errors(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_amount),      cmocka_unit_test(test_weight),
-        cmocka_unit_test(test_area),        cmocka_unit_test(test_orientation),
-        cmocka_unit_test(test_worm),        cmocka_unit_test(test_layer_and_clusters),
-        cmocka_unit_test(test_files),       cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_complaints),  cmocka_unit_test(test_placing_errors),
+        cmocka_unit_test(test_amount),     cmocka_unit_test(test_weight),
+        cmocka_unit_test(test_area),       cmocka_unit_test(test_orientation),
+        cmocka_unit_test(test_worm),       cmocka_unit_test(test_layer_and_clusters),
+        cmocka_unit_test(test_files),      cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_complaints), cmocka_unit_test(test_placing_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

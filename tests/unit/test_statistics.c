@@ -106,7 +106,8 @@ static void test_clusters(void **state)
                       {.centre = {10.5, 10.5}},
                       {.centre = {10.5, 14.5}}};
     double ball[1][4] = {{10.5, 10.5, 0, 2.2}};
-    ph_packing p = {.dimensions = 2, .n = 4, .filler = f, .nclusters = 1, .cluster = ball};
+    ph_packing p = {
+        .dimensions = 2, .n = 4, .filler = f, .nclusters = 1, .cluster = ball};
     m->owner = calloc(400, sizeof *m->owner);
     for (int i = 0; i < 4; i++)
         m->owner[(int)f[i].centre[0] * 20 + (int)f[i].centre[1]] = i + 1;
