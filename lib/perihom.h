@@ -21,6 +21,7 @@
 #include <perihom/bond.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
+#include <perihom/distribution.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "core/check.h"
-#include "paint.h"
+#include "fillers.h"
 
 #include <string.h>
 
@@ -35,7 +35,34 @@ out:
     return st;
 }
 
-static ph_status build_from_shapes(const ph_case *c, ph_microstructure *m, ph_error *err)
+/* Chains of nodes cover whole cells: there no cut may stay. */
+static void drop_covered_cuts(ph_microstructure *m, const ph_packing *p)
+{
+    ptrdiff_t kept = 0;
+    for (ptrdiff_t k = 0; k < m->ncuts; k++) {
+        int32_t owner = m->owner[m->cuts[k].cell];
+        bool node =
+            owner > 0 && p->kind[p->filler[owner - 1].kind].counting == PH_COUNT_NODES;
+        if (!node) m->cuts[kept++] = m->cuts[k];
+    }
+    m->ncuts = kept;
+}
+
+static ph_status build_fillers(const ph_case *c, ph_canvas *canvas,
+                               const ph_packing *packing, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_microstructure *m = canvas->micro;
+    for (int k = 0; k < c->nfillers; k++)
+        PH_TRY(check_material(c, c->fillers[k].material, "fillers: material", err));
+    PH_ALLOC(m->owner, ph_grid_cells(&m->grid), "the owners of the cells");
+    PH_TRY(ph_i_paint_packing(c, packing, canvas, err));
+out:
+    return st;
+}
+
+static ph_status build_from_shapes(const ph_case *c, ph_microstructure *m,
+                                   const ph_packing *packing, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_canvas canvas = {.micro = m,
@@ -47,7 +74,9 @@ static ph_status build_from_shapes(const ph_case *c, ph_microstructure *m, ph_er
         m->phase[i] = (uint16_t)c->matrix;
     for (int i = 0; i < c->ninclusions; i++)
         PH_TRY(paint_inclusion(&canvas, c, i, err));
+    if (packing) PH_TRY(build_fillers(c, &canvas, packing, err));
     PH_TRY(ph_i_cut_cells(&canvas, err));
+    if (packing) drop_covered_cuts(m, packing);
 out:
     ph_i_canvas_clear(&canvas);
     return st;
@@ -100,32 +129,64 @@ static ph_status build_from_voxels(const ph_case *c, ph_microstructure **m, ph_e
     PH_TRY(ph_microstructure_new(&grid, c->nmaterials, c->materials, m, err));
     st = assign(c, *m, values, err);
     if (st != PH_OK) ph_error_prefix(err, "%s: ", path);
+    PH_TRY(st);
+    if (c->voxels.owners[0]) {
+        PH_ALLOC((*m)->owner, ph_grid_cells(&grid), "the owners of the cells");
+        PH_TRY(ph_rve_read_owners(path, c->voxels.owners, dimensions_of(c->kinematics), n,
+                                  (*m)->owner, err));
+    }
 out:
     free(path);
     free(values);
     return st;
 }
 
-ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err)
+ph_status ph_rve_paint(const ph_case *c, const ph_packing *packing,
+                       ph_microstructure **out, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_microstructure *m = NULL;
     ph_grid grid;
     *out = NULL;
+    PH_TRY(ph_grid_init(&grid, c->kinematics, c->nodes, c->size, err));
+    PH_TRY(ph_microstructure_new(&grid, c->nmaterials, c->materials, &m, err));
+    PH_TRY(build_from_shapes(c, m, packing, err));
+    *out = m;
+    m = NULL;
+out:
+    ph_microstructure_free(&m);
+    return st;
+}
+
+ph_status ph_rve_generate(const ph_case *c, ph_microstructure **out, ph_packing **packing,
+                          ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_packing *p = NULL;
+    *out = NULL;
+    *packing = NULL;
     if (c->voxels.file[0]) {
-        st = build_from_voxels(c, &m, err);
+        st = build_from_voxels(c, out, err);
         if (st != PH_OK)
             ph_error_prefix(err, "%s:%d: microstructure.voxels: ", c->path,
                             c->voxels.line);
         PH_TRY(st);
     } else {
-        PH_TRY(ph_grid_init(&grid, c->kinematics, c->nodes, c->size, err));
-        PH_TRY(ph_microstructure_new(&grid, c->nmaterials, c->materials, &m, err));
-        PH_TRY(build_from_shapes(c, m, err));
+        if (c->nfillers > 0) PH_TRY(ph_rve_place(c, &p, err));
+        PH_TRY(ph_rve_paint(c, p, out, err));
     }
-    *out = m;
-    m = NULL;
+    *packing = p;
+    p = NULL;
 out:
-    ph_microstructure_free(&m);
+    if (st != PH_OK) ph_microstructure_free(out);
+    ph_packing_free(&p);
+    return st;
+}
+
+ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err)
+{
+    ph_packing *packing = NULL;
+    ph_status st = ph_rve_generate(c, out, &packing, err);
+    ph_packing_free(&packing);
     return st;
 }

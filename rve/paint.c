@@ -78,8 +78,10 @@ static ph_status paint_cell(ph_canvas *canvas, ptrdiff_t cell, const double x[3]
         if (fraction >= 1 - touching) fraction = 1;
     }
     if (fraction < 1 || marked) PH_TRY(mark(canvas, cell, fraction, err));
-    if (fraction == 1 || level <= touching * radius)
+    if (fraction == 1 || level <= touching * radius) {
         canvas->micro->phase[cell] = (uint16_t)im->material;
+        if (canvas->micro->owner) canvas->micro->owner[cell] = canvas->filler;
+    }
 out:
     return st;
 }

@@ -25,7 +25,8 @@ typedef struct ph_mark {
 typedef struct ph_canvas {
     ph_microstructure *micro;
     int dimensions;
-    bool cuts; /* mark cut cells */
+    bool cuts;      /* mark cut cells */
+    int32_t filler; /* owner of what is painted, where micro has owners; 0: nobody */
     ptrdiff_t nimages, images_held;
     ph_image *images;
     ptrdiff_t nmarks, marks_held;

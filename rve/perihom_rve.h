@@ -81,6 +81,130 @@ PH_API void ph_solid_area_vector(const ph_solid *solid, int dimensions,
  *  Tested: tests/unit/test_build.c, tests/laws/test_painting.c */
 PH_API ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err);
 
+/** A shape of random filler of the case file. */
+typedef struct ph_filler_shape {
+    ph_entry info;
+    const char *parameters; /* keys of the case file, for people */
+} ph_filler_shape;
+PH_API extern const ph_filler_shape ph_filler_shapes[];
+PH_API extern const size_t ph_nfiller_shapes;
+
+/** One random filler: a chain of convex solids about its centre. */
+typedef struct ph_placed {
+    int kind;           /* index into the case's fillers */
+    int cluster;        /* agglomerate it belongs to, from 1; 0: none */
+    double centre[3];   /* in the box */
+    double frame[3][3]; /* rows: along it, normal, third (2D: axis 3) */
+    double length, thickness, width, bend;
+    double content;         /* nodes, or true area (2D) or volume */
+    double reach;           /* no point of it is farther from the centre */
+    ptrdiff_t first, count; /* of its solids, whose centres are relative to its own */
+    ptrdiff_t first_point, npoints; /* counting nodes: its nodes */
+} ph_placed;
+
+/** What became of one entry of `fillers`. */
+typedef struct ph_filler_report {
+    ph_counting counting; /* PH_COUNT_NODES or PH_COUNT_AREA, never AUTO */
+    ptrdiff_t count;
+    double target;     /* volume fraction asked for; NaN where a count was */
+    double reached;    /* content of all of them over the box; overlaps count twice */
+    double largest;    /* content of the largest one over the box */
+    double tensor[9];  /* second-order orientation tensor, by number; 2D: axes 1 and 2 */
+    ptrdiff_t relaxed; /* fillers that random addition could not place */
+    int sweeps;        /* of the relaxation, 0: not needed */
+} ph_filler_report;
+
+/** Every filler of a realisation. Owns its arrays. */
+typedef struct ph_packing {
+    int dimensions;
+    int nkinds;
+    ph_filler_report *kind; /* [nkinds] */
+    ptrdiff_t n;
+    ph_placed *filler; /* [n]; filler i owns the cells with owner i + 1 */
+    ptrdiff_t nsolids;
+    ph_solid *solid;
+    ptrdiff_t npoints;
+    int32_t (*point)[3]; /* cells away from the centre's */
+    int nclusters;
+    double (*cluster)[4]; /* centre and radius */
+    long tests;           /* exact distance computations that placing took */
+} ph_packing;
+PH_API void ph_packing_free(ph_packing **packing);
+
+/** Place the random fillers of a case: a pure function of the case, its seed and its
+ *  realisation, the same on any number of threads.
+ *
+ *  Fillers are added one by one while content + half of the next <= target. Where they may
+ *  not overlap, random sequential addition [Widom1966] with up to 200 trials each; what finds
+ *  no room is put anywhere and pairs are then pushed apart until every gap is kept. Distances
+ *  are those of the solids of the chains [Gilbert1988], with every periodic image.
+ *  @return PH_OK; PH_EUNPHYSICAL (longer than the box; jammed, with what was reached);
+ *          PH_ENOMEM. Cost: linear in the number of fillers up to jamming.
+ *  Tested: tests/unit/test_fillers.c, tests/laws/test_placement.c */
+PH_API ph_status ph_rve_place(const ph_case *c, ph_packing **out, ph_error *err);
+/** Inclusions and a packing (NULL: none) on the grid of the case. */
+PH_API ph_status ph_rve_paint(const ph_case *c, const ph_packing *packing,
+                              ph_microstructure **out, ph_error *err);
+/** Like ph_rve_build, and the fillers that it placed; *packing is NULL where the case has
+ *  none. micro->owner is set where it has some. */
+PH_API ph_status ph_rve_generate(const ph_case *c, ph_microstructure **micro,
+                                 ph_packing **packing, ph_error *err);
+/** Distance of two solids, the second moved by `shift`; 2D: in the plane.
+ *  @param[in] enough stop as soon as it is known to be at least this
+ *  @return a lower bound of the distance that is >= enough where the distance is (up to
+ *          1e-9 of the solids' size), and else the distance to 1e-9; 0 where they overlap. */
+PH_API double ph_solid_distance(const ph_solid *a, const ph_solid *b,
+                                const double shift[3], int dimensions, double enough);
+
+/** What can be said of a microstructure of fillers in a matrix. Owns its arrays. Everything
+ *  is seen at the cell centres, the periodic box is the whole space. */
+typedef struct ph_statistics {
+    int dimensions;
+    double fraction;    /* f: share of the cells that are filler */
+    ptrdiff_t nlags[3]; /* n / 2 + 1 */
+    double
+        *two_point[3]; /* [nlags] P(x and x + lag e_a both filler); 0: f, far away: f^2 */
+    double
+        *lineal_path[3]; /* [nlags] P(all of the lag + 1 cells x .. x + lag are filler) */
+    /* lag where (S2 - f^2) / (f - f^2) falls below 1/e, a length; the largest lag where it
+     * does not, NaN where there is one phase only */
+    double correlation_length[3];
+    double
+        *correlation; /* [cells] S2 at every lag, lag zero in cell n / 2 of each axis */
+    double half_scatter; /* std of the fraction in the 2^d half boxes, over f */
+    /* smallest ratio of the box to the larger of correlation length and longest filler */
+    double size_indicator;
+    ptrdiff_t fillers;
+    double nearest_mean, nearest_std, nearest_min; /* between centres; NaN below 2 */
+    ptrdiff_t clusters; /* of fillers that touch: neighbouring cells, corners too */
+    ptrdiff_t largest;  /* fillers in the largest */
+    bool percolates[3]; /* some connected filler reaches its own image along an axis */
+    double agglomerate_volume; /* xi: share of the box in the agglomerates */
+    double agglomerate_share;  /* zeta: share of the filler in them [Shi2004] */
+} ph_statistics;
+/** @param[in] packing of ph_rve_generate, or NULL: every material but `matrix` is filler,
+ *             and nothing is said of single fillers
+ *  @return PH_OK; PH_EINVAL; PH_ENOMEM. Cost: two FFTs and some passes over the cells.
+ *  Tested: tests/unit/test_statistics.c */
+PH_API ph_status ph_rve_statistics(const ph_microstructure *micro,
+                                   const ph_packing *packing, int matrix,
+                                   ph_statistics **out, ph_error *err);
+PH_API void ph_statistics_free(ph_statistics **statistics);
+
+/** Pictures of the fillers, each with its own colour: 2D as it is; 3D the three slices
+ *  through the middle and a shaded orthographic view of the box without its matrix.
+ *  @return PH_OK; PH_EINVAL; PH_EIO; PH_ENOMEM. Tested: tests/unit/test_fillers.c */
+PH_API ph_status ph_rve_write_picture(const char *path, const ph_microstructure *micro,
+                                      int matrix, const char *title, ph_error *err);
+
+/** Phases and owners of a microstructure as an .h5 file with the datasets /phase and /owner,
+ *  which `voxels: {file, owners: /owner}` reads back bit for bit (cuts are not kept). */
+PH_API ph_status ph_rve_write_owners(const char *path, const ph_microstructure *micro,
+                                     ph_error *err);
+/** Dataset of whole numbers 0 .. 2^31 - 1 with n cells. @param[out] owner [cells] */
+PH_API ph_status ph_rve_read_owners(const char *path, const char *dataset, int dimensions,
+                                    const ptrdiff_t n[3], int32_t *owner, ph_error *err);
+
 /** Voxel values of a file, by its ending: .h5 .hdf5, .npy, .png, .raw. Values are 0..65535.
  *  Never takes more memory than a small multiple of what the file holds.
  *  @param[in] dataset  .h5: path of the dataset; else not used

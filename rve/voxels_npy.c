@@ -80,7 +80,7 @@ static ph_status read_descr(text *t, header *h, ph_error *err)
                         : h->kind == 'i' || h->kind == 'u' ? "1248"
                         : h->kind == 'f'                   ? "48"
                                                            : "";
-    char size = h->kind ? s[sign + 1] : 0;
+    char size = (char)(h->kind ? s[sign + 1] : 0);
     PH_CHECK(size && strchr(sizes, size) && !s[sign + 2], PH_EINVAL,
              "its values have dtype '%s'; whole numbers are wanted (u1 i1 u2 i2 u4 i4 u8 "
              "i8 b1)",

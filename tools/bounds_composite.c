@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "bounds.h"
 #include "check.h"
+#include "memory.h"
 
 #include <math.h>
 #include <string.h>
@@ -154,6 +155,7 @@ ph_status bounds_composite_init(const ph_case *c, bounds_composite *out, ph_erro
                           n);
         goto out;
     }
+    PH_TRY(memory_check_cells(c, false, err));
     st = ph_rve_build(c, &micro, err);
     if (st != PH_OK) goto out;
     ph_microstructure_fractions(micro, fraction);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
+#include "memory.h"
 #include "report.h"
 #include "tools.h"
 
@@ -128,8 +129,13 @@ static void print_text(const json_t *resolved, const ph_case *c,
     printf("# phases:");
     for (int i = 0; i < micro->nmaterials; i++)
         printf("%s %s %.4f", i ? "," : "", micro->materials[i].name, fraction[i]);
+    double here = memory_here();
     printf("\n# memory about %s, time about %s\n", report_bytes(e->bytes, bytes),
            report_seconds(e->seconds, seconds));
+    if (here > 0.0 && (double)e->bytes > here)
+        printf(
+            "# too much for this machine, which has %s of memory: run will refuse it\n",
+            report_bytes((size_t)here, bytes));
     for (int i = 0; i < e->nnotes; i++)
         printf("# %s\n", e->notes[i]);
 }
@@ -164,6 +170,7 @@ static ph_status check_case(const ph_case *c, bool json, ph_error *err)
     ph_microstructure *micro = NULL;
     json_t *resolved = NULL;
     ph_estimate e = {0};
+    PH_TRY(memory_check_cells(c, case_solves(c), err));
     PH_TRY(ph_rve_build(c, &micro, err));
     const ph_problem problem = case_problem(c, micro);
     PH_TRY(ph_homogenise_estimate(&problem, &e, err));

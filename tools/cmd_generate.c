@@ -2,9 +2,12 @@
 /* perihom generate: the microstructure of a case, its picture and its voxel file. */
 #include "check.h"
 #include "destination.h"
+#include "memory.h"
 #include "tools.h"
 
 #include <jansson.h>
+
+#include <math.h>
 
 typedef struct generate_options {
     text_list operands, set;
@@ -39,6 +42,8 @@ static const verb_spec generate_verb = {
     .noptions = sizeof options / sizeof *options,
     .more =
         "phases.npy holds the material at the centre of each cell, numbered as printed.\n"
+        "with random fillers also fillers.png, correlation.png, and phases.h5 with the\n"
+        "filler of each cell; --json then has their statistics.\n"
         "exit codes: 0 done, 2 usage, 3 not admissible, 5 file or memory",
 };
 
@@ -50,6 +55,10 @@ typedef struct built {
     double *at_centres; /* [nmaterials] of the cell centres, what node_centre would see */
     ptrdiff_t cut_cells; /* a cell may have several cuts */
     char picture[DESTINATION_PATH + 32], voxels[DESTINATION_PATH + 32];
+    ph_packing *packing;       /* NULL: no random fillers */
+    ph_statistics *statistics; /* where there is a packing */
+    char fillers[DESTINATION_PATH + 32], owners[DESTINATION_PATH + 32],
+        correlation[DESTINATION_PATH + 32];
 } built;
 
 static int dimensions_of(const ph_grid *g)
@@ -76,6 +85,20 @@ out:
     return st;
 }
 
+static ph_status write_filler_files(built *b, const char *dir, ph_error *err)
+{
+    ph_status st = PH_OK;
+    snprintf(b->fillers, sizeof b->fillers, "%s/fillers.png", dir);
+    snprintf(b->owners, sizeof b->owners, "%s/phases.h5", dir);
+    snprintf(b->correlation, sizeof b->correlation, "%s/correlation.png", dir);
+    PH_TRY(ph_rve_write_picture(b->fillers, b->micro, b->c->matrix, b->c->title, err));
+    PH_TRY(ph_rve_write_owners(b->owners, b->micro, err));
+    PH_TRY(ph_write_png(b->correlation, &b->micro->grid, b->statistics->correlation, 3,
+                        "two-point correlation, lag zero in the middle", err));
+out:
+    return st;
+}
+
 static ph_status write_files(built *b, const generate_options *o, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -93,6 +116,7 @@ static ph_status write_files(built *b, const generate_options *o, ph_error *err)
     PH_TRY(ph_write_phases_png(b->picture, b->micro, 3, b->c->title, err));
     PH_TRY(ph_rve_write_voxels(b->voxels, NULL, NULL, dimensions_of(g), g->n,
                                b->micro->phase, err));
+    if (b->packing) PH_TRY(write_filler_files(b, dir, err));
 out:
     free(json);
     return st;
@@ -110,6 +134,97 @@ static void print_table(const built *b)
     for (int i = 0; i < m->nmaterials; i++)
         printf("  %5d  %-20s  %.6f   %.6f\n", i, m->materials[i].name, b->fraction[i],
                b->at_centres[i]);
+}
+
+static const char *counting_name(const ph_filler_report *r)
+{
+    return r->counting == PH_COUNT_NODES ? "nodes" : "area";
+}
+
+static void print_fillers(const built *b)
+{
+    const ph_packing *p = b->packing;
+    const ph_statistics *s = b->statistics;
+    printf("\n  filler     count  counting  content    target     relaxed\n");
+    for (int k = 0; k < p->nkinds; k++) {
+        const ph_filler_report *r = &p->kind[k];
+        printf("  %-9s %6td  %-8s  %.6f  ", b->c->fillers[k].shape, r->count,
+               counting_name(r), r->reached);
+        if (r->target >= 0)
+            printf("%.6f", r->target);
+        else
+            printf("%-8s", "count");
+        printf("   %td\n", r->relaxed);
+    }
+    printf("\nclusters    %td, the largest of %td fillers\n", s->clusters, s->largest);
+    printf("box size    %.3g of its longest feature\n", s->size_indicator);
+}
+
+static json_t *numbers_json(const double *x, ptrdiff_t n)
+{
+    json_t *list = json_array();
+    for (ptrdiff_t i = 0; i < n; i++)
+        json_array_append_new(list, isfinite(x[i]) ? json_real(x[i]) : json_null());
+    return list;
+}
+
+static json_t *number_json(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
+}
+
+static json_t *reports_json(const built *b)
+{
+    json_t *list = json_array();
+    int dim = b->packing->dimensions;
+    for (int k = 0; k < b->packing->nkinds; k++) {
+        const ph_filler_report *r = &b->packing->kind[k];
+        json_t *tensor = json_array();
+        for (int i = 0; i < dim; i++)
+            json_array_append_new(tensor, numbers_json(&r->tensor[3 * i], dim));
+        json_array_append_new(
+            list, json_pack("{s:s, s:s, s:I, s:s, s:o, s:f, s:f, s:o, s:I, s:i}", "shape",
+                            b->c->fillers[k].shape, "material",
+                            b->micro->materials[b->c->fillers[k].material].name, "count",
+                            (json_int_t)r->count, "counting", counting_name(r), "target",
+                            number_json(r->target), "content", r->reached, "largest",
+                            r->largest, "orientation_tensor", tensor, "relaxed",
+                            (json_int_t)r->relaxed, "sweeps", r->sweeps));
+    }
+    return list;
+}
+
+static json_t *statistics_json(const ph_statistics *s)
+{
+    json_t *two = json_array(), *path = json_array(), *percolates = json_array();
+    for (int a = 0; a < s->dimensions; a++) {
+        json_array_append_new(two, numbers_json(s->two_point[a], s->nlags[a]));
+        json_array_append_new(path, numbers_json(s->lineal_path[a], s->nlags[a]));
+        json_array_append_new(percolates, json_boolean(s->percolates[a]));
+    }
+    return json_pack(
+        "{s:f, s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o}, s:I, s:I, s:o, s:{s:f, s:f}}",
+        "fraction", s->fraction, "two_point", two, "lineal_path", path,
+        "correlation_length", numbers_json(s->correlation_length, s->dimensions),
+        "half_box_scatter", number_json(s->half_scatter), "size_indicator",
+        number_json(s->size_indicator), "nearest_neighbour", "mean",
+        number_json(s->nearest_mean), "std", number_json(s->nearest_std), "min",
+        number_json(s->nearest_min), "clusters", (json_int_t)s->clusters,
+        "largest_cluster", (json_int_t)s->largest, "percolates", percolates,
+        "agglomeration", "xi", s->agglomerate_volume, "zeta", s->agglomerate_share);
+}
+
+static void add_fillers_json(json_t *document, const built *b)
+{
+    json_t *files = json_object_get(document, "files");
+    json_object_set_new(document, "seed", json_integer((json_int_t)b->c->seed));
+    json_object_set_new(document, "realisation",
+                        json_integer((json_int_t)b->c->realisation));
+    json_object_set_new(document, "fillers", reports_json(b));
+    json_object_set_new(document, "statistics", statistics_json(b->statistics));
+    json_object_set_new(files, "fillers", json_string(b->fillers));
+    json_object_set_new(files, "owners", json_string(b->owners));
+    json_object_set_new(files, "correlation", json_string(b->correlation));
 }
 
 static ph_status print_json(const built *b, ph_error *err)
@@ -135,6 +250,7 @@ static ph_status print_json(const built *b, ph_error *err)
                          (json_int_t)b->cut_cells, "cuts", (json_int_t)m->ncuts, "files",
                          "picture", b->picture, "voxels", b->voxels);
     PH_CHECK(document, PH_ENOMEM, "no memory for the document");
+    if (b->packing) add_fillers_json(document, b);
     json_dumpf(document, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     putchar('\n');
 out:
@@ -146,17 +262,23 @@ static ph_status generate(const generate_options *o, const ph_case *c, ph_error 
 {
     ph_status st = PH_OK;
     built b = {.c = c};
-    PH_TRY(ph_rve_build(c, &b.micro, err));
+    PH_TRY(memory_check_cells(c, false, err));
+    PH_TRY(ph_rve_generate(c, &b.micro, &b.packing, err));
     PH_TRY(measure(&b, err));
+    if (b.packing)
+        PH_TRY(ph_rve_statistics(b.micro, b.packing, c->matrix, &b.statistics, err));
     PH_TRY(write_files(&b, o, err));
     if (o->json)
         PH_TRY(print_json(&b, err));
     else
         print_table(&b);
+    if (!o->json && b.packing) print_fillers(&b);
     if (!o->quiet) talk("%s, %s", b.picture, b.voxels);
 out:
     free(b.fraction);
     free(b.at_centres);
+    ph_packing_free(&b.packing);
+    ph_statistics_free(&b.statistics);
     ph_microstructure_free(&b.micro);
     return st;
 }

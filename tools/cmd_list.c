@@ -36,10 +36,13 @@ static const size_t nmaterials = 0; /* none are built in so far */
 static size_t gather(ph_catalogue all[MAX_CATALOGUES])
 {
     size_t n = 0;
-    for (const ph_catalogue *c = ph_catalogues(); c->name && n < MAX_CATALOGUES - 2; c++)
+    for (const ph_catalogue *c = ph_catalogues(); c->name && n < MAX_CATALOGUES - 3; c++)
         all[n++] = *c;
     all[n++] = (ph_catalogue){"shapes", "inclusions that a case can place", ph_shapes,
                               &ph_nshapes, sizeof *ph_shapes};
+    all[n++] =
+        (ph_catalogue){"fillers", "random fillers that a case can place",
+                       ph_filler_shapes, &ph_nfiller_shapes, sizeof *ph_filler_shapes};
     all[n++] = (ph_catalogue){"materials", "built-in material data", NULL, &nmaterials,
                               sizeof(ph_entry)};
     return n;
@@ -85,6 +88,8 @@ static void put_entries(const ph_catalogue *c)
         printf("%-20s %s\n", e->name, e->title);
         if (c->first == ph_shapes)
             printf("%-20s keys: %s\n", "", ph_shapes[i].parameters);
+        if (c->first == ph_filler_shapes)
+            printf("%-20s keys: %s\n", "", ph_filler_shapes[i].parameters);
         if (e->valid[0]) printf("%-20s valid: %s\n", "", e->valid);
         if (e->reference[0]) printf("%-20s ref: %s\n", "", e->reference);
     }

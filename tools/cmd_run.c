@@ -2,6 +2,7 @@
 #include "check.h"
 #include "destination.h"
 #include "interrupt.h"
+#include "memory.h"
 #include "progress.h"
 #include "report.h"
 #include "tools.h"
@@ -108,6 +109,8 @@ static ph_status write_files(const run *r, ph_error *err)
     destination_file(&to, "result.json", path, sizeof path);
     PH_TRY(ph_write_file(path, r->json, strlen(r->json), err));
     PH_TRY(stop_if_interrupted(err));
+    /* Another run may have ended in the same folder meanwhile. */
+    PH_TRY(destination_check(r->dir, r->case_json, r->options->force, err));
     PH_TRY(destination_commit(&to, err));
 out:
     destination_discard(&to);
@@ -133,8 +136,11 @@ static ph_status run_case(run *r, ph_error *err)
     PH_TRY(ph_case_to_json(r->c, &r->case_json, err));
     PH_TRY(destination_check(r->dir, r->case_json, r->options->force, err));
     interrupt_install();
+    PH_TRY(memory_check_cells(r->c, case_solves(r->c), err));
     PH_TRY(ph_rve_build(r->c, &r->micro, err));
     PH_TRY(stop_if_interrupted(err));
+    const ph_problem problem = case_problem(r->c, r->micro);
+    PH_TRY(memory_check_problem(&problem, err));
     st = solve(r, err);
     if (st == PH_ENOCONV && r->result) {
         /* The report says how far it got; the exit code and stderr say that it failed. */

@@ -60,15 +60,27 @@ static void parent_of(char *path)
         *slash = 0;
 }
 
+/* An empty name would be the root folder: its files begin with a slash. */
+static ph_status check_name(const char *dir, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(*dir, PH_EIO, "the name of the folder is empty");
+    PH_CHECK(strlen(dir) < DESTINATION_PATH, PH_EIO,
+             "the name of the folder is too long");
+out:
+    return st;
+}
+
 static ph_status check_writable(const char *dir, ph_error *err)
 {
     ph_status st = PH_OK;
     struct stat s;
     char at[DESTINATION_PATH];
-    PH_CHECK(strlen(dir) < sizeof at, PH_EIO, "the name of the folder is too long");
+    PH_TRY(check_name(dir, err));
     strcpy(at, dir);
     /* What is not there yet will be made in the nearest folder that is. */
-    while (stat(at, &s) != 0 && errno == ENOENT && strcmp(at, "/") && strcmp(at, "."))
+    while (stat(at, &s) != 0 && errno == ENOENT && strcmp(at, "/") != 0 &&
+           strcmp(at, ".") != 0)
         parent_of(at);
     PH_CHECK(stat(at, &s) == 0, PH_EIO, "%s: %s", dir, strerror(errno));
     PH_CHECK(S_ISDIR(s.st_mode), PH_EIO, "%s is not a folder", at);
@@ -94,7 +106,7 @@ ph_status destination_make(const char *dir, ph_error *err)
 {
     ph_status st = PH_OK;
     char at[DESTINATION_PATH];
-    PH_CHECK(strlen(dir) < sizeof at, PH_EIO, "the name of the folder is too long");
+    PH_TRY(check_name(dir, err));
     strcpy(at, dir);
     for (char *c = at + 1; c[-1]; c++) {
         if (*c && *c != '/') continue;

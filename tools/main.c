@@ -6,7 +6,9 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 const verb verbs[] = {
     {"compute", "run", "effective properties of a case", cmd_run},
@@ -72,8 +74,17 @@ static int dispatch(int argc, char **argv)
     return v ? v->run(argc - 1, argv + 1) : verb_unknown(argv[1]);
 }
 
+/* Threads that spin while they wait make a busy machine many times slower. The OpenMP
+ * library reads its settings before main, so the program starts itself once more. */
+static void wait_asleep(char **argv)
+{
+    if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
+    if (setenv("OMP_WAIT_POLICY", "passive", 1) == 0) execv("/proc/self/exe", argv);
+}
+
 int main(int argc, char **argv)
 {
+    wait_asleep(argv);
     /* GSL would abort; its errors come back as status codes. */
     gsl_set_error_handler_off();
     /* A pager that closes must not cost a result that is about to be written. */

@@ -52,6 +52,12 @@ int case_load(const char *path, const text_list *sets, ph_case **out)
     return code;
 }
 
+bool case_solves(const ph_case *c)
+{
+    return strcmp(c->constraint.kind, "voigt") != 0 &&
+           strcmp(c->constraint.kind, "reuss") != 0;
+}
+
 ph_problem case_problem(const ph_case *c, const ph_microstructure *micro)
 {
     return (ph_problem){

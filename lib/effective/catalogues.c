@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every catalogue of the library in one table. */
+#include <perihom/distribution.h>
 #include <perihom/estimates.h>
 
 #include "model/models.h"
@@ -21,6 +22,8 @@ static const ph_catalogue catalogues[] = {
      &ph_nvolume_weights, sizeof *ph_volume_weights},
     {"estimates", "analytic bounds and estimates", ph_estimate_methods,
      &ph_nestimate_methods, sizeof *ph_estimate_methods},
+    {"distributions", "how a quantity of random fillers varies", ph_distributions,
+     &ph_ndistributions, sizeof *ph_distributions},
     {NULL, NULL, NULL, NULL, 0},
 };
 

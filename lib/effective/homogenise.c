@@ -21,6 +21,11 @@ static double now(void)
 void ph_i_run_clear(ph_run *r)
 {
     if (r->solver && r->state) r->solver->free(&r->state);
+    size_t n = r->op ? (size_t)(r->op->layout.nd * r->op->layout.cells) : 0;
+    for (int a = 0; a < 6; a++)
+        ph_i_doubles_free(&r->meter, &r->kept[a], n);
+    ph_i_doubles_free(&r->meter, &r->residual, n);
+    ph_i_doubles_free(&r->meter, &r->product, n);
     ph_i_operator_free(&r->op);
     ph_family_free(&r->family);
     ph_i_bond_classes_free(&r->classes);
@@ -69,6 +74,8 @@ static ph_status new_result(const ph_problem *p, ph_result **out, ph_error *err)
     res->interface = p->interface;
     if (p->interface == PH_INTERFACE_COMPOSITE) {
         ph_microstructure_fractions(micro, res->fractions);
+        PH_CHECK(!isnan(res->fractions[0]), PH_ENOMEM, "no memory for %d fractions",
+                 micro->nmaterials);
     } else {
         ptrdiff_t cells = ph_grid_cells(&micro->grid);
         for (ptrdiff_t x = 0; x < cells; x++)
@@ -125,11 +132,34 @@ static void analytic_answer(ph_result *res, const ph_sym4 *c, const char *why)
 
 /* ---- set up -------------------------------------------------------------------------- */
 
+/* Squares and cubes of moduli over lengths have to stay within the range of a double. */
+static const double least_modulus = 1e-60, most_modulus = 1e60;
+
+static ph_status check_materials(const ph_microstructure *micro, ph_error *err)
+{
+    ph_status st = PH_OK;
+    for (int m = 0; m < micro->nmaterials; m++) {
+        double size = ph_sym4_norm(&micro->materials[m].stiffness);
+        PH_CHECK(size == 0.0 || (size > least_modulus && size < 1e2 * most_modulus),
+                 PH_EUNPHYSICAL,
+                 "material '%s': stiffness of %g is outside %g to %g: choose other units",
+                 micro->materials[m].name, size, least_modulus, most_modulus);
+    }
+out:
+    return st;
+}
+
 static ph_status check_problem(const ph_problem *p, ph_error *err)
 {
     ph_status st = PH_OK;
     PH_CHECK(p && p->micro, PH_EINVAL, "no microstructure");
     PH_TRY(ph_microstructure_check(p->micro, err));
+    PH_TRY(check_materials(p->micro, err));
+    int collar = p->constraint.collar_material;
+    PH_CHECK(p->constraint.collar != PH_COLLAR_MATRIX ||
+                 (collar >= 0 && collar < p->micro->nmaterials),
+             PH_EINVAL, "material %d of the collar is outside 0..%d", collar,
+             p->micro->nmaterials - 1);
     double t = p->solver.tolerance;
     PH_CHECK(t == 0.0 || (t > 0.0 && t < 1.0), PH_EINVAL,
              "solver tolerance must be in (0, 1), got %g", t);
@@ -277,6 +307,7 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
     double start = now();
     st = ph_i_run_loads(r, err);
     *solving = now() - start;
+    if (st == PH_ENOCONV) ph_i_run_solved_columns(r);
     if (st != PH_OK) goto out;
     PH_TRY(ph_i_run_stiffness(r, err));
 out:

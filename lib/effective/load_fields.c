@@ -39,10 +39,10 @@ ph_status ph_i_run_keep_fields(ph_run *r, int load, const double *macro, ph_erro
     f->load = load;
     f->nu = l->nd;
     f->ns = l->ns;
+    r->result->nfields++; /* the result frees what it has got so far */
     PH_ALLOC(f->displacement, l->nd * cells, "the displacement field");
     PH_ALLOC(f->strain, l->ns * cells, "the strain field");
     PH_ALLOC(f->stress, l->ns * cells, "the stress field");
-    r->result->nfields++;
     PH_DOUBLES(strain, &r->meter, (size_t)(l->ns * l->cells), "the strain field");
     PH_DOUBLES(stress, &r->meter, (size_t)(l->ns * l->cells), "the stress field");
     PH_TRY(ph_i_operator_fields(r->op, r->u, macro, strain, stress, err));

@@ -23,8 +23,10 @@ typedef struct ph_run {
     ph_system system;
     const ph_solver_method *solver;
     void *state;
-    double *load, *u; /* the operator's work fields, see solver.h */
-    ph_sym4 columns;  /* C or, by_stress, the compliance */
+    double *load, *u;                     /* the operator's work fields, see solver.h */
+    ph_sym4 columns;                      /* C or, by_stress, the compliance */
+    double *kept[6], *residual, *product; /* of the second-order columns, or NULL */
+    ph_sym4 second;                       /* u_a . r_b per averaged cell, a <= b */
     ph_result *result;
 } ph_run;
 
@@ -41,6 +43,8 @@ unsigned ph_i_run_all_loads(const ph_result *result);
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);
 ph_status ph_i_run_stiffness(ph_run *run, ph_error *err);
+/** A load did not converge: the columns of those before it. */
+void ph_i_run_solved_columns(ph_run *run);
 /** Is component `load` of a by_stress constraint a stress? A macro stress is prescribed, but
  *  for components that no displacement of this grid can produce (33 of generalised plane
  *  strain): there it is the strain. */

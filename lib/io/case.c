@@ -16,6 +16,7 @@ void ph_case_free(ph_case **c)
     if (!c || !*c) return;
     free((*c)->materials);
     free((*c)->inclusions);
+    free((*c)->fillers);
     free(*c);
     *c = NULL;
 }
@@ -58,6 +59,7 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     PH_TRY(ph_i_read_materials(r, root, err));
     PH_TRY(ph_i_read_microstructure(r, root, err));
     ph_i_read_model(r, ph_i_get(root, "model"));
+    ph_i_take_kappa(r);
     ph_i_read_constraint(r, ph_i_get(root, "constraint"));
     ph_i_read_solver(r, ph_i_get(root, "solver"));
     ph_i_read_output(r, ph_i_get(root, "output"));

@@ -132,12 +132,18 @@ extern const ph_i_names ph_i_solver_names;
 extern const ph_i_names ph_i_interface_names; /* in the order of ph_interface */
 extern const ph_i_names ph_i_plane_names;     /* generalised_strain, strain, stress */
 extern const ph_i_names ph_i_raw_type_names;
+extern const ph_i_names ph_i_filler_names;   /* platelet, fibre, particle */
+extern const ph_i_names ph_i_amount_names;   /* in the order of ph_amount */
+extern const ph_i_names ph_i_counting_names; /* in the order of ph_counting */
 
 /* ---- one function a section; `node` is NULL where the section is not given */
 
 ph_status ph_i_read_materials(ph_i_reader *r, const ph_i_node *root, ph_error *err);
 ph_status ph_i_read_microstructure(ph_i_reader *r, const ph_i_node *root, ph_error *err);
 ph_status ph_i_read_inclusions(ph_i_reader *r, const ph_i_node *list, ph_error *err);
+ph_status ph_i_read_fillers(ph_i_reader *r, const ph_i_node *list, ph_error *err);
+/** The interphase factor of the fillers becomes that of the model. */
+void ph_i_take_kappa(ph_i_reader *r);
 void ph_i_read_voxels(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_model(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_constraint(ph_i_reader *r, const ph_i_node *node);

@@ -86,6 +86,7 @@ static json_t *voxels_to_json(const ph_case *c, bool *good)
     json_t *map = json_object(), *materials = json_object();
     put(map, "file", json_string(v->file), good);
     if (v->dataset[0]) put(map, "dataset", json_string(v->dataset), good);
+    if (v->owners[0]) put(map, "owners", json_string(v->owners), good);
     if (v->type[0]) put(map, "type", json_string(v->type), good);
     for (int i = 0; i < v->nmaterials; i++) {
         char value[16];
@@ -115,11 +116,14 @@ static json_t *microstructure_to_json(const ph_case *c, bool *good)
     } else {
         put(map, "matrix", json_string(c->materials[c->matrix].name), good);
         put(map, "inclusions", json_incref(inclusions), good);
+        if (c->nfillers > 0) put(map, "fillers", ph_i_fillers_to_json(c, good), good);
     }
     json_decref(nodes);
     json_decref(inclusions);
     put(map, "interface", json_string(ph_i_interface_names.name[c->interface]), good);
     put(map, "seed", json_integer((json_int_t)c->seed), good);
+    if (c->nfillers > 0)
+        put(map, "realisation", json_integer((json_int_t)c->realisation), good);
     return map;
 }
 

@@ -3,10 +3,11 @@
 
 #include <string.h>
 
-static const char *const microstructure_keys[] = {"dimension", "plane",     "size",
-                                                  "nodes",     "matrix",    "inclusions",
-                                                  "voxels",    "interface", "seed"};
-static const char *const voxel_keys[] = {"file", "dataset", "materials", "type"};
+static const char *const microstructure_keys[] = {
+    "dimension", "plane",     "size", "nodes",   "matrix",     "inclusions",
+    "voxels",    "interface", "seed", "fillers", "realisation"};
+static const char *const voxel_keys[] = {"file", "dataset", "materials", "type",
+                                         "owners"};
 static const char *const voxel_endings[] = {".h5", ".npy", ".png", ".raw"};
 
 enum { MAX_NODES_PER_AXIS = 65536, MAX_VOXEL_VALUES = 256 };
@@ -105,12 +106,15 @@ static const char *ending_of(const char *file)
 static void read_voxel_format(ph_i_reader *r, const ph_i_node *map, const char *ending)
 {
     ph_voxels *v = &r->c->voxels;
-    const ph_i_node *dataset = ph_i_get(map, "dataset"), *type = ph_i_get(map, "type");
+    const ph_i_node *dataset = ph_i_get(map, "dataset"), *type = ph_i_get(map, "type"),
+                    *owners = ph_i_get(map, "owners");
     if (strcmp(ending, ".h5") == 0) {
         snprintf(v->dataset, sizeof v->dataset, "/phase");
         if (dataset) ph_i_read_text(r, dataset, sizeof v->dataset, v->dataset);
-    } else if (dataset) {
-        ph_i_complain(r, dataset, PH_EINVAL, "belongs to .h5 files only");
+        if (owners) ph_i_read_text(r, owners, sizeof v->owners, v->owners);
+    } else if (dataset || owners) {
+        ph_i_complain(r, dataset ? dataset : owners, PH_EINVAL,
+                      "belongs to .h5 files only");
     }
     if (strcmp(ending, ".raw") == 0) {
         type = ph_i_need(r, map, "type", "a .raw file needs uint8, uint16 or int32");
@@ -153,19 +157,21 @@ static ph_status read_contents(ph_i_reader *r, const ph_i_node *map, ph_error *e
 {
     ph_status st = PH_OK;
     const ph_i_node *voxels = ph_i_get(map, "voxels"), *matrix = ph_i_get(map, "matrix"),
-                    *inclusions = ph_i_get(map, "inclusions");
+                    *inclusions = ph_i_get(map, "inclusions"),
+                    *fillers = ph_i_get(map, "fillers");
     if (voxels) {
-        static const char both[] =
-            "voxels are given too: they stand instead of matrix and "
-            "inclusions";
+        static const char both[] = "voxels are given too: they stand instead of matrix, "
+                                   "inclusions and fillers";
         if (matrix) ph_i_complain(r, matrix, PH_EINVAL, "%s", both);
         if (inclusions) ph_i_complain(r, inclusions, PH_EINVAL, "%s", both);
+        if (fillers) ph_i_complain(r, fillers, PH_EINVAL, "%s", both);
         ph_i_read_voxels(r, voxels);
     } else {
         matrix = ph_i_need(r, map, "matrix", "must be a material (or give voxels)");
         int i = matrix ? ph_i_read_material(r, matrix) : -1;
         if (i >= 0) r->c->matrix = i;
         if (inclusions) PH_TRY(ph_i_read_inclusions(r, inclusions, err));
+        if (fillers) PH_TRY(ph_i_read_fillers(r, fillers, err));
     }
 out:
     return st;
@@ -186,7 +192,7 @@ ph_status ph_i_read_microstructure(ph_i_reader *r, const ph_i_node *root, ph_err
 {
     static const char rule[] = "must be a map with dimension, size, nodes, ...";
     ph_status st = PH_OK;
-    int64_t seed = 1, dimension = 0;
+    int64_t seed = 1, dimension = 0, realisation = 0;
     const ph_i_node *map = ph_i_need(r, root, "microstructure", rule);
     if (!map || !ph_i_read_map(r, map, rule)) goto out;
     ph_i_check_keys(r, map, (ph_i_names)PH_I_NAMES(microstructure_keys),
@@ -206,6 +212,11 @@ ph_status ph_i_read_microstructure(ph_i_reader *r, const ph_i_node *root, ph_err
         ph_i_read_integer(r, node, 0, (int64_t)1 << 53,
                           "must be an integer from 0 to 2^53", &seed);
     r->c->seed = (uint64_t)seed;
+    node = ph_i_get(map, "realisation");
+    if (node)
+        ph_i_read_integer(r, node, 0, (int64_t)1 << 53,
+                          "must be an integer from 0 to 2^53", &realisation);
+    r->c->realisation = (uint64_t)realisation;
 out:
     return st;
 }

@@ -16,6 +16,9 @@ static const char *const solvers[] = {"auto", "fft_cg", "direct", "relaxation"};
 static const char *const interfaces[] = {"composite", "node_centre"};
 static const char *const planes[] = {"generalised_strain", "strain", "stress"};
 static const char *const raw_types[] = {"uint8", "uint16", "int32"};
+static const char *const fillers[] = {"platelet", "fibre", "particle"};
+static const char *const amounts[] = {"weight_fraction", "volume_fraction", "count"};
+static const char *const countings[] = {"auto", "nodes", "area"};
 
 const ph_i_names ph_i_model_names = PH_I_NAMES(models);
 const ph_i_names ph_i_later_model_names = PH_I_NAMES(later_models);
@@ -29,3 +32,6 @@ const ph_i_names ph_i_solver_names = PH_I_NAMES(solvers);
 const ph_i_names ph_i_interface_names = PH_I_NAMES(interfaces);
 const ph_i_names ph_i_plane_names = PH_I_NAMES(planes);
 const ph_i_names ph_i_raw_type_names = PH_I_NAMES(raw_types);
+const ph_i_names ph_i_filler_names = PH_I_NAMES(fillers);
+const ph_i_names ph_i_amount_names = PH_I_NAMES(amounts);
+const ph_i_names ph_i_counting_names = PH_I_NAMES(countings);

@@ -97,7 +97,7 @@ static ph_status read_materials(reader *r, ph_microstructure **micro, ph_error *
 {
     ph_status st = PH_OK;
     hid_t type = -1;
-    hsize_t n;
+    hsize_t n = 0;
     void *rows = NULL;
     ph_material *list = NULL;
     PH_TRY(ph_i_material_type(&type, r->path, err));
@@ -120,7 +120,7 @@ static ph_status read_cuts(reader *r, ph_microstructure *micro, ph_error *err)
     ph_status st = PH_OK;
     const ph_grid *g = &r->grid;
     hid_t type = -1;
-    hsize_t n;
+    hsize_t n = 0;
     void *rows = NULL;
     ph_cut *cuts = NULL;
     PH_TRY(ph_i_cut_type(&type, r->path, err));

@@ -23,9 +23,10 @@ bool ph_i_displacement_at_nodes(const ph_result *result)
 
 void ph_i_array_shape(const ph_grid *grid, int extra, hsize_t shape[3])
 {
-    for (int a = 0; a < 3; a++)
-        shape[2 - a] =
-            (hsize_t)(grid->n[a] + (a < 2 || grid->kinematics == PH_SPACE ? extra : 0));
+    for (int a = 0; a < 3; a++) {
+        bool wider = a < 2 || grid->kinematics == PH_SPACE;
+        shape[2 - a] = (hsize_t)grid->n[a] + (hsize_t)(wider ? extra : 0);
+    }
 }
 
 /* A member of a compound type. */

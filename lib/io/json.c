@@ -32,7 +32,7 @@ json_t *ph_i_json_text(const char *text)
     char *plain = malloc(length + 1);
     if (!plain) return NULL;
     for (size_t i = 0; i <= length; i++)
-        plain[i] = (unsigned char)text[i] < 0x80 ? text[i] : '?';
+        plain[i] = (char)((unsigned char)text[i] < 0x80 ? text[i] : '?');
     value = json_string(plain);
     free(plain);
     return value;

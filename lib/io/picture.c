@@ -74,9 +74,11 @@ static void put_letter(ph_i_picture *p, int x, int y, int scale, char letter,
     for (int b = 0; b < 9 * scale; b++)
         for (int a = 0; a < 5 * scale; a++) {
             int hits = 0, px = x + a, py = y + b;
-            for (int s = 0; s < SAMPLES * SAMPLES; s++)
-                hits += smooth_ink(rows, (a + (s % SAMPLES + 0.5) / SAMPLES) / scale,
-                                   (b + (s / SAMPLES + 0.5) / SAMPLES) / scale);
+            for (int s = 0; s < SAMPLES * SAMPLES; s++) {
+                int sx = s % SAMPLES, sy = s / SAMPLES;
+                hits += smooth_ink(rows, (a + (sx + 0.5) / SAMPLES) / scale,
+                                   (b + (sy + 0.5) / SAMPLES) / scale);
+            }
             if (hits == 0 || px < 0 || py < 0 || px >= p->width || py >= p->height)
                 continue;
             ph_i_colour *to = &p->pixel[(size_t)py * (size_t)p->width + (size_t)px];

@@ -188,8 +188,10 @@ static void draw_bar(page *p, const slice *s, int height, const scale *c)
                   colour_at(c, 1 - (row + 0.5) / height));
     ph_i_frame(&p->picture, x, p->top, BAR, height, black);
     double step = tick_step(c->from, c->to);
-    for (double k = ceil(c->from / step - 1e-9); k * step <= c->to + 1e-9 * step; k++) {
+    double first = ceil(c->from / step - 1e-9), last = floor(c->to / step + 1e-9);
+    for (int i = 0; i <= (int)(last - first); i++) {
         char text[32];
+        double k = first + i;
         double t = (k * step - c->from) / (c->to - c->from);
         int y = p->top + (int)lround((1 - t) * (height - 1));
         snprintf(text, sizeof text, "%.5g", k == 0 ? 0.0 : k * step);

@@ -1,23 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "model/cells.h"
+#include "model/cells_kernel.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Mode lines of one cell row, by direction: the gradient g[component][direction], and the
- * raw hourglass sums q[component][pair], pair 0: 23, 1: 13, 2: 12, 3: 123. */
-enum { PAIRS = 4, LINES = 3 * 3 + 3 * PAIRS + 3 };
-
-typedef struct row {
-    double *g[3][3], *q[3][PAIRS]; /* read; a line of zeros where there is no such mode */
-    double *t[3][3], *p[3][PAIRS]; /* written; a waste line where there is none */
-    double *tmp;
-} row;
-
-static bool has_modes(const ph_cells *c)
-{
-    return c->c1 != 0.0 || c->c2 != 0.0 || c->hourglass != 0.0;
-}
 
 ph_status ph_i_cells_init(ph_cells *cells, const ph_layout *layout,
                           const ph_stiffness_map *map, double c1, double c2,
@@ -58,7 +43,7 @@ void ph_i_cells_clear(ph_cells *cells, ph_meter *meter)
 }
 
 /* Point the lines of a thread's workspace at their modes. */
-static row row_lines(const ph_cells *c, int thread)
+row ph_i_cells_lines(const ph_cells *c, int thread)
 {
     row r;
     const int *ax = c->layout.axis;
@@ -150,8 +135,8 @@ static int active_axes(const ph_layout *l)
     return (l->axis[0] >= 0) + (l->axis[1] >= 0) + (l->axis[2] >= 0);
 }
 
-static void gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_t j,
-                   bool modes, row *r)
+void ph_i_cells_gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_t j,
+                       bool modes, row *r)
 {
     const ph_layout *l = &c->layout;
     ptrdiff_t i1 = i + 1 < l->n[0] ? i + 1 : 0, j1 = j + 1 < l->n[1] ? j + 1 : 0,
@@ -182,183 +167,6 @@ static void gather_nothing(const ph_cells *c, row *r)
         for (int m = 0; m < PAIRS; m++)
             if (r->p[a][m] == r->q[a][m]) memset(r->q[a][m], 0, bytes);
     }
-}
-
-/* ---- strain and stress of the modes, four cells at a time ---------------------------- */
-
-#define R2 0.70710678118654752440 /* 1/sqrt(2): Mandel shear */
-
-enum { LANES = 4 };
-typedef double vec __attribute__((vector_size(32)));
-typedef double vec_in_memory __attribute__((vector_size(32), aligned(8), may_alias));
-typedef int64_t lanes __attribute__((vector_size(32)));
-
-static inline vec load(const double *a)
-{
-    return *(const vec_in_memory *)a;
-}
-
-/* Store the lanes that belong to the run, keep what stands in the others. */
-static inline void store(double *a, vec v, lanes own)
-{
-    *(vec_in_memory *)a = (vec)(((lanes)v & own) | ((lanes)load(a) & ~own));
-}
-
-static inline vec all(double x)
-{
-    return (vec){x, x, x, x};
-}
-
-/* e += strain of sym(v (x) axis d). nd, d compile-time. */
-static inline void add_column(int nd, vec *e, int d, const vec *v)
-{
-    e[d] += v[d];
-    if (nd == 2) {
-        e[2] += R2 * v[1 - d];
-        return;
-    }
-    const int p = (d + 1) % 3, q = (d + 2) % 3;
-    e[6 - d - p] += R2 * v[p];
-    e[6 - d - q] += R2 * v[q];
-}
-
-/* v = w * column d of the stress */
-static inline void take_column(int nd, const vec *s, int d, double w, vec *v)
-{
-    v[d] = w * s[d];
-    if (nd == 2) {
-        v[1 - d] = w * R2 * s[2];
-        return;
-    }
-    const int p = (d + 1) % 3, q = (d + 2) % 3;
-    v[p] = w * R2 * s[6 - d - p];
-    v[q] = w * R2 * s[6 - d - q];
-}
-
-static inline void hooke(int ns, ph_hooke kind, const double *c, const vec *e, vec *s)
-{
-    const int normal = ns == 6 ? 3 : 2;
-    if (kind == PH_HOOKE_ISOTROPIC) {
-        vec tr = c[1] * (ns == 6 ? e[0] + e[1] + e[2] : e[0] + e[1]);
-        double mu2 = c[ns * ns - 1];
-#pragma GCC unroll 6
-        for (int i = 0; i < ns; i++)
-            s[i] = i < normal ? mu2 * e[i] + tr : mu2 * e[i];
-    } else {
-#pragma GCC unroll 6
-        for (int i = 0; i < ns; i++) {
-            s[i] = c[i * ns] * e[0];
-#pragma GCC unroll 6
-            for (int j = 1; j < ns; j++)
-                s[i] += c[i * ns + j] * e[j];
-        }
-    }
-}
-
-typedef struct weights {
-    double f[3], c1, c2, hourglass, scale;
-    double macro[6];
-} weights;
-
-/* Average strain -> tractions. */
-static inline void mean_mode(int nd, ph_hooke kind, const double *c, const weights *w,
-                             const row *r, ptrdiff_t k, lanes own)
-{
-    const int ns = nd == 3 ? 6 : 3;
-    vec e[6], s[6], v[3];
-#pragma GCC unroll 6
-    for (int i = 0; i < ns; i++)
-        e[i] = all(w->macro[i]);
-#pragma GCC unroll 3
-    for (int d = 0; d < nd; d++) {
-#pragma GCC unroll 3
-        for (int a = 0; a < nd; a++)
-            v[a] = load(&r->g[a][d][k]);
-        add_column(nd, e, d, v);
-    }
-    hooke(ns, kind, c, e, s);
-#pragma GCC unroll 3
-    for (int d = 0; d < nd; d++) {
-        take_column(nd, s, d, w->scale * w->f[d], v);
-#pragma GCC unroll 3
-        for (int a = 0; a < nd; a++)
-            store(&r->t[a][d][k], v[a], own);
-    }
-}
-
-/* p += forces of the modes linear along d, whose gradient has the columns of the other axes. */
-static inline void linear_mode(int nd, ph_hooke kind, const double *c, const weights *w,
-                               int d, vec q[PAIRS][3], vec p[PAIRS][3])
-{
-    const int ns = nd == 3 ? 6 : 3;
-    vec e[6], s[6], v[3];
-#pragma GCC unroll 6
-    for (int i = 0; i < ns; i++)
-        e[i] = all(0.0);
-#pragma GCC unroll 3
-    for (int b = 0; b < nd; b++) {
-        if (b == d) continue;
-#pragma GCC unroll 3
-        for (int a = 0; a < nd; a++)
-            v[a] = w->f[b] * q[3 - d - b][a];
-        add_column(nd, e, b, v);
-    }
-    hooke(ns, kind, c, e, s);
-#pragma GCC unroll 3
-    for (int b = 0; b < nd; b++) {
-        if (b == d) continue;
-        take_column(nd, s, b, w->scale * w->c1 * w->f[b], v);
-#pragma GCC unroll 3
-        for (int a = 0; a < nd; a++)
-            p[3 - d - b][a] += v[a];
-    }
-}
-
-/* p += forces of the mode bilinear in the axes other than d: one column. */
-static inline void bilinear_mode(ph_hooke kind, const double *c, const weights *w, int d,
-                                 vec q[PAIRS][3], vec p[PAIRS][3])
-{
-    vec e[6], s[6], v[3];
-#pragma GCC unroll 6
-    for (int i = 0; i < 6; i++)
-        e[i] = all(0.0);
-#pragma GCC unroll 3
-    for (int a = 0; a < 3; a++)
-        v[a] = w->f[d] * q[3][a];
-    add_column(3, e, d, v);
-    hooke(6, kind, c, e, s);
-    take_column(3, s, d, w->scale * w->c2 * w->f[d], v);
-#pragma GCC unroll 3
-    for (int a = 0; a < 3; a++)
-        p[3][a] += v[a];
-}
-
-/* The modes beside the average. The lines q and p are the same: read all, then write. */
-static inline void other_modes(int nd, ph_hooke kind, const double *c, const weights *w,
-                               const row *r, ptrdiff_t k, lanes own)
-{
-    const int low = nd == 3 ? 0 : 2, high = nd == 3 ? PAIRS : 3;
-    vec q[PAIRS][3], p[PAIRS][3];
-#pragma GCC unroll 4
-    for (int m = low; m < high; m++)
-#pragma GCC unroll 3
-        for (int a = 0; a < nd; a++) {
-            q[m][a] = load(&r->q[a][m][k]);
-            p[m][a] = w->scale * w->hourglass * q[m][a];
-        }
-#pragma GCC unroll 3
-    for (int d = 0; d < nd; d++)
-        linear_mode(nd, kind, c, w, d, q, p);
-    if (nd == 3) {
-#pragma GCC unroll 3
-        for (int d = 0; d < 3; d++)
-            bilinear_mode(kind, c, w, d, q, p);
-    }
-#pragma GCC unroll 4
-    for (int m = low; m < high; m++)
-#pragma GCC unroll 3
-        for (int a = 0; a < nd; a++)
-            store(&r->p[a][m][k], p[m][a], own);
 }
 
 #define RUN(nd, kind)                                                                    \
@@ -487,8 +295,8 @@ static const double *apply_slab(const ph_cells *c, const double *u, const weight
     ptrdiff_t plane = l->n[1] * l->n[2], buffer = l->nd * plane;
     double *high[2] = {c->high + 2 * thread * buffer,
                        c->high + (2 * thread + 1) * buffer};
-    bool modes = has_modes(c);
-    row r = row_lines(c, thread);
+    bool modes = ph_i_cells_has_modes(c);
+    row r = ph_i_cells_lines(c, thread);
     for (ptrdiff_t i = from; i < to; i++) {
         double *now = high[(i - from) % 2], *before = high[(i - from + 1) % 2];
         memset(now, 0, sizeof(double) * (size_t)buffer);
@@ -496,7 +304,7 @@ static const double *apply_slab(const ph_cells *c, const double *u, const weight
             memset(f + a * l->cells + i * plane, 0, sizeof(double) * (size_t)plane);
         for (ptrdiff_t j = 0; j < l->n[1]; j++) {
             if (u)
-                gather(c, u, i, j, modes, &r);
+                ph_i_cells_gather(c, u, i, j, modes, &r);
             else
                 gather_nothing(c, &r);
             stress_line(c, c->map->index + (i * l->n[1] + j) * l->n[2], w, &r, modes);
@@ -507,18 +315,11 @@ static const double *apply_slab(const ph_cells *c, const double *u, const weight
     return high[(to - from + 1) % 2];
 }
 
-static weights apply_weights(const ph_cells *c, const double *macro, double scale)
-{
-    weights w = {{c->f[0], c->f[1], c->f[2]}, c->c1, c->c2, c->hourglass, scale, {0}};
-    if (macro) memcpy(w.macro, macro, sizeof(double) * (size_t)c->layout.ns);
-    return w;
-}
-
 void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro,
                       double scale, double *f)
 {
     const ph_layout *l = &c->layout;
-    weights w = apply_weights(c, macro, scale);
+    weights w = ph_i_cells_weights(c, macro, scale);
     int slabs = c->threads < l->n[0] ? c->threads : (int)l->n[0];
     if (active_axes(l) == 0) {
         memset(f, 0, sizeof(double) * (size_t)(l->nd * l->cells));
@@ -542,7 +343,7 @@ void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *regi
                      double *f)
 {
     const ph_layout *l = &c->layout;
-    row r = row_lines(c, 0);
+    row r = ph_i_cells_lines(c, 0);
     ptrdiff_t plane = l->n[1] * l->n[2];
     double *high = c->high;
     vec stress[6], v[3];
@@ -563,103 +364,4 @@ void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *regi
         }
         add_plane(l, high, i + 1 < l->n[0] ? i + 1 : 0, f);
     }
-}
-
-/* ---- averages and fields: not in the loop of a solver --------------------------------- */
-
-static void strain_of(const ph_cells *c, const weights *w, const row *r, ptrdiff_t k,
-                      double *e)
-{
-    int nd = c->layout.nd, ns = c->layout.ns;
-    vec v[3] = {{0}}, sum[6];
-    for (int i = 0; i < ns; i++)
-        sum[i] = all(w->macro[i]);
-    for (int d = 0; d < nd; d++) {
-        for (int a = 0; a < nd; a++)
-            v[a] = all(r->g[a][d][k]);
-        add_column(nd, sum, d, v);
-    }
-    for (int i = 0; i < ns; i++)
-        e[i] = sum[i][0];
-}
-
-void ph_i_cells_strain(const ph_cells *c, const double *u, const double *macro,
-                       double *strain)
-{
-    const ph_layout *l = &c->layout;
-    weights w = apply_weights(c, macro, 1.0);
-    row r = row_lines(c, 0);
-    for (ptrdiff_t i = 0; i < l->n[0]; i++)
-        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
-            gather(c, u, i, j, false, &r);
-            for (ptrdiff_t k = 0; k < l->n[2]; k++) {
-                double e[6];
-                strain_of(c, &w, &r, k, e);
-                for (int a = 0; a < l->ns; a++)
-                    strain[a * l->cells + (i * l->n[1] + j) * l->n[2] + k] = e[a];
-            }
-        }
-}
-
-/* Twice the energy of the modes of one cell: sum of raw amplitude times its force. */
-static void mode_energy(const ph_cells *c, const double *q, const double *m,
-                        ph_hooke kind, ph_cell_energy *energy)
-{
-    weights w = apply_weights(c, NULL, 1.0);
-    const lanes own = {-1, 0, 0, 0};
-    double value[3][PAIRS][LANES] = {{{0}}}, force[3][PAIRS][LANES] = {{{0}}};
-    row one;
-    for (int a = 0; a < 3; a++)
-        for (int p = 0; p < PAIRS; p++) {
-            value[a][p][0] = q[a * PAIRS + p];
-            one.q[a][p] = value[a][p];
-            one.p[a][p] = force[a][p];
-            energy->stabilisation += c->hourglass * q[a * PAIRS + p] * q[a * PAIRS + p];
-        }
-    w.hourglass = 0.0;
-    if (c->layout.nd == 3)
-        other_modes(3, kind, m, &w, &one, 0, own);
-    else
-        other_modes(2, kind, m, &w, &one, 0, own);
-    for (int a = 0; a < 3; a++)
-        for (int p = 0; p < PAIRS; p++)
-            energy->modes += q[a * PAIRS + p] * force[a][p][0];
-}
-
-void ph_i_cells_sums(const ph_cells *c, const double *u, const double *macro,
-                     const uint8_t *region, double *stress, double *strain,
-                     ph_cell_energy *energy)
-{
-    const ph_layout *l = &c->layout;
-    weights w = apply_weights(c, macro, 1.0);
-    row r = row_lines(c, 0);
-    bool modes = has_modes(c);
-    memset(energy, 0, sizeof *energy);
-    for (int a = 0; a < l->ns; a++)
-        stress[a] = strain[a] = 0.0;
-    for (ptrdiff_t i = 0; i < l->n[0]; i++)
-        for (ptrdiff_t j = 0; j < l->n[1]; j++) {
-            gather(c, u, i, j, modes, &r);
-            for (ptrdiff_t k = 0; k < l->n[2]; k++) {
-                ptrdiff_t x = (i * l->n[1] + j) * l->n[2] + k;
-                if (region && !region[x]) continue;
-                int entry = c->map->index[x];
-                double e[6], s[6], q[3 * PAIRS];
-                strain_of(c, &w, &r, k, e);
-                ph_i_hooke(c->map, entry, e, s);
-                for (int a = 0; a < l->ns; a++) {
-                    stress[a] += s[a];
-                    strain[a] += e[a];
-                    energy->mean += s[a] * e[a];
-                }
-                if (!modes) continue;
-                for (int a = 0; a < 3; a++)
-                    for (int p = 0; p < PAIRS; p++)
-                        q[a * PAIRS + p] = a < l->nd ? r.q[a][p][k] : 0.0;
-                mode_energy(c, q, c->map->c + (ptrdiff_t)entry * l->ns * l->ns,
-                            c->map->hooke[entry] == PH_HOOKE_ZERO ? PH_HOOKE_GENERAL
-                                                                  : c->map->hooke[entry],
-                            energy);
-            }
-        }
 }

@@ -81,7 +81,7 @@ static ph_points choose_points(const ph_problem *p, const ph_stiffness_map *map,
         why = "their smallest family is exact at the faces of the RVE";
     else if (map->has_void)
         why = "a void phase: families of nodes reach across its surface";
-    else if (map->contrast > high_contrast)
+    else if (map->least_contrast > high_contrast)
         why = "high contrast: families of nodes would need many iterations";
     else if (few_nodes(&p->micro->grid))
         why = "few nodes along an axis";
@@ -97,7 +97,7 @@ static void choose_stabilisation(const ph_problem *p, const ph_stiffness_map *ma
                                  ph_points points, bool bounded, ph_operator_params *out,
                                  ph_result *notes)
 {
-    bool hard = map->has_void || map->contrast > high_contrast || bounded;
+    bool hard = map->has_void || map->least_contrast > high_contrast || bounded;
     out->stabilisation = p->model.stabilisation;
     out->value = p->model.stabilisation_value;
     bool automatic = out->stabilisation == PH_STABILISE_AUTO;
@@ -120,7 +120,10 @@ static double choose_horizon(const ph_problem *p, ph_points points)
     if (p->model.horizon > 0.0)
         return p->model.horizon_is_length ? p->model.horizon
                                           : p->model.horizon * widest(g);
-    return points == PH_POINTS_STRESS ? half_diagonal(g) : default_spacings * widest(g);
+    double least =
+        half_diagonal(g); /* zero: a single cell has no family, any length will do */
+    return points == PH_POINTS_STRESS && least > 0.0 ? least
+                                                     : default_spacings * widest(g);
 }
 
 static const void *by_name(const ph_entry *first, size_t stride, size_t count,
@@ -138,6 +141,7 @@ static bool is_smallest(const ph_family *f)
     ptrdiff_t corners = 1;
     for (int d = 0; d < 3; d++)
         if (f->active[d]) corners *= 2;
+    if (corners == 1) return true; /* one cell: no bonds at all */
     return f->points == PH_POINTS_STRESS && f->count == corners;
 }
 

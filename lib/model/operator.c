@@ -24,6 +24,7 @@ static int dimensions(const ph_layout *l)
 static double hourglass_coefficient(const ph_layout *l, double alpha, double softest)
 {
     double corners = pow(2.0, dimensions(l));
+    if (dimensions(l) == 0) return 0.0;
     return alpha * softest * dimensions(l) / (corners * corners * sum_squares_half(l));
 }
 
@@ -99,7 +100,7 @@ static ph_status new_spectral(ph_operator *op, double alpha, ph_error *err)
                              (const double(*)[3])fam->g, d, real, g[d]);
     }
     double trace = fam->K[0][0] + fam->K[1][1] + fam->K[2][2];
-    double s = alpha * op->map->softest * dimensions(l) / trace;
+    double s = trace > 0.0 ? alpha * op->map->softest * dimensions(l) / trace : 0.0;
     double(*w)[3] = NULL;
     PH_ALLOC(w, fam->count, "bond weights");
     for (ptrdiff_t b = 0; b < fam->count; b++)
@@ -191,9 +192,9 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     PH_TRY(ph_i_fft_new(&op->layout, op->threads, &op->fft, err));
     op->modes = ph_i_fft_modes(op->fft);
     size_t cells = (size_t)op->layout.cells, nd = (size_t)op->layout.nd;
-    PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
-    PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     if (p->classes) { /* a medium of springs */
+        PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
+        PH_DOUBLES(op->f, meter, nd * cells, "a force field");
         PH_TRY(ph_i_springs_new(&op->layout, op->fft, p->family, p->classes, p->route,
                                 op->threads, meter, &op->springs, err));
         op->route = ph_i_springs_route(op->springs);
@@ -202,6 +203,10 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
         return st;
     }
     op->route = choose_route(&op->layout, p);
+    op->shares_f =
+        op->route == PH_ROUTE_CONVOLUTION && p->stabilisation != PH_STABILISE_SUBPOINT;
+    PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
+    if (!op->shares_f) PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
         op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
         PH_TRY(ph_i_bondlist_new(box, map, p, meter, &op->bonds, err));
@@ -209,6 +214,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
         return st;
     }
     PH_TRY(new_family_part(op, p, err));
+    if (op->shares_f) op->f = op->e; /* forces are needed only when strains are not */
     if (p->stabilisation == PH_STABILISE_SUBPOINT && op->route != PH_ROUTE_CELLS)
         PH_TRY(new_simplices(op, box, err));
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
@@ -239,7 +245,7 @@ void ph_i_operator_free(ph_operator **out)
     for (int i = 0; i < op->nsub; i++)
         ph_i_stencil_free(&op->sub[i]);
     ph_i_doubles_free(op->meter, &op->u, nd * cells);
-    ph_i_doubles_free(op->meter, &op->f, nd * cells);
+    if (!op->shares_f) ph_i_doubles_free(op->meter, &op->f, nd * cells);
     ph_i_doubles_free(op->meter, &op->e, (size_t)op->layout.ns * cells);
     ph_i_doubles_free(op->meter, &op->spectral, (size_t)op->modes);
     ph_i_doubles_free(op->meter, &op->hat, 2 * nd * (size_t)op->modes);

@@ -35,6 +35,7 @@ typedef struct ph_operator {
     double *spectral; /* [modes] S(k), or NULL */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */
+    bool shares_f;      /* f is the beginning of e */
     double *e;          /* [ns][cells], stencil and convolution */
     double *pad;        /* stencil */
     double *hat, *hat2; /* [nd][modes] complex, where fields pass through Fourier space */
@@ -44,7 +45,7 @@ typedef struct ph_operator {
 ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
                             const ph_operator_params *params, ph_meter *meter,
                             ph_operator **out, ph_error *err);
-void ph_i_operator_free(ph_operator **op);
+void ph_i_operator_free(ph_operator **out);
 
 /** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
 void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);

@@ -67,11 +67,14 @@ out:
     return st;
 }
 
+/* An ordinary phase (nu up to 0.45) has a mean eigenvalue within this of its smallest. */
+static const double most_of_least = 3.0;
+
 /* Contrast, softest and middle tensor of the phases that are there. */
 static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *used)
 {
     double low_min = INFINITY, low_max = 0.0, high_min = INFINITY, high_max = 0.0;
-    double softest = INFINITY, stiffest = 0.0;
+    double softest = INFINITY, weakest = INFINITY, stiffest = 0.0;
     int soft = -1, stiff = -1;
     for (int p = 0; p < map->materials; p++) {
         if (!used[p]) continue;
@@ -87,10 +90,13 @@ static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *use
         low_max = fmax(low_max, low);
         high_min = fmin(high_min, high);
         high_max = fmax(high_max, high);
-        if (trace < softest) softest = trace, soft = p;
+        /* Near incompressibility the trace is bulk modulus, which no hourglass sees. */
+        softest = fmin(softest, fmin(trace, most_of_least * low));
+        if (trace < weakest) weakest = trace, soft = p;
         if (trace > stiffest) stiffest = trace, stiff = p;
     }
     map->contrast = soft < 0 ? 1.0 : fmax(low_max / low_min, high_max / high_min);
+    map->least_contrast = soft < 0 ? 1.0 : low_max / low_min;
     map->softest = soft < 0 ? 0.0 : softest;
     if (soft >= 0) map->middle = ph_sym4_combine(0.5, &phase[soft], 0.5, &phase[stiff]);
     map->middle.n = map->ns;
@@ -104,8 +110,8 @@ static ph_status reserve(ph_stiffness_map *map, const ph_microstructure *micro,
              "too many cut cells (%td)", mixed);
     /* One more entry than there are materials: empty space around the RVE. */
     map->count = map->materials + 1 + (int)mixed;
-    PH_DOUBLES(map->c, meter, (size_t)map->count * (size_t)(map->ns * map->ns),
-               "the stiffness of cut cells");
+    map->reserved = (size_t)map->count * (size_t)(map->ns * map->ns);
+    PH_DOUBLES(map->c, meter, map->reserved, "the stiffness of cut cells");
     PH_ALLOC(map->hooke, map->count, "stiffness kinds");
     PH_ALLOC(map->index, map->cells, "the stiffness index");
     meter->bytes += sizeof *map->index * (size_t)map->cells;
@@ -170,6 +176,8 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
         used[micro->cuts[i].material] = true;
         if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
     }
+    for (ptrdiff_t x = 0; source && x < cells; x++) /* a collar of its own material */
+        if (source[x] <= -2) used[-2 - source[x]] = true;
     measure(map, phase, used);
     PH_TRY(index_rve(map, micro, composite, phase, entry, err));
     for (ptrdiff_t x = 0; x < cells; x++) {
@@ -192,7 +200,7 @@ void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map)
 {
     if (!map || !*map) return;
     ph_stiffness_map *m = *map;
-    free(m->c); /* counted with its first size, which is what the meter keeps as peak */
+    ph_i_doubles_free(meter, &m->c, m->reserved);
     free(m->hooke);
     if (m->index && meter) meter->bytes -= sizeof *m->index * (size_t)m->cells;
     free(m->index);

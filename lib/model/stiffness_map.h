@@ -14,12 +14,16 @@ typedef struct ph_stiffness_map {
     ptrdiff_t cells; /* of the box that is solved */
     int count;       /* distinct tensors: the materials, then one per cut cell */
     int materials;
+    size_t reserved; /* doubles of c as they were counted */
     double *c;       /* [count][ns*ns] Mandel */
     ph_hooke *hooke; /* [count] */
     int32_t *index;  /* [cells] into c */
     bool has_void;
     double contrast; /* of the phases; 1: homogeneous; voids not counted */
-    double softest;  /* trace / ns of the softest solid phase */
+    double
+        least_contrast; /* of their smallest eigenvalues: what is soft or rigid, not what
+                            * is only nearly incompressible */
+    double softest;     /* trace / ns of the softest solid phase */
     ph_sym4 middle; /* mean of the stiffest and the softest solid: the reference medium */
 } ph_stiffness_map;
 

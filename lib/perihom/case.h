@@ -2,6 +2,7 @@
 #ifndef PERIHOM_CASE_H
 #define PERIHOM_CASE_H
 
+#include <perihom/distribution.h>
 #include <perihom/homogenise.h>
 
 #include <stdint.h>
@@ -35,8 +36,61 @@ typedef struct ph_voxels {
     int nmaterials;
     int materials[256]; /* material of voxel value v, or -1 where value v has none */
     char type[16];      /* .raw: "uint8", "uint16", "int32" */
+    char owners[128];   /* .h5: dataset with the filler of each cell; "" : none */
     int line;
 } ph_voxels;
+
+/** How a random filler bends. */
+typedef enum ph_curvature {
+    PH_CURVATURE_NONE,
+    PH_CURVATURE_ARC_ANGLE, /* subtended angle, degrees */
+    PH_CURVATURE_RADIUS,    /* of the arc */
+    PH_CURVATURE_HELIX,     /* radius and pitch; fibres in 3D */
+    PH_CURVATURE_WORM       /* persistence length of a worm-like chain; fibres */
+} ph_curvature;
+
+typedef enum ph_orientation {
+    PH_ORIENT_UNIFORM,
+    PH_ORIENT_ALIGNED,   /* about an axis, spread = std of the angle to it */
+    PH_ORIENT_VON_MISES, /* von Mises-Fisher about an axis, concentration */
+    PH_ORIENT_TENSOR     /* second-order orientation tensor */
+} ph_orientation;
+
+/** How much of it there is, and how far apart. */
+typedef enum ph_amount { PH_AMOUNT_WEIGHT, PH_AMOUNT_VOLUME, PH_AMOUNT_COUNT } ph_amount;
+/** What counts as content of fillers thinner than the spacing. */
+typedef enum ph_counting { PH_COUNT_AUTO, PH_COUNT_NODES, PH_COUNT_AREA } ph_counting;
+
+/** A population of random fillers of a case file: `microstructure.fillers`. Lengths in case
+ *  units, angles in degrees. Distributions not given have kind -1. */
+typedef struct ph_filler {
+    int line;
+    char shape[16]; /* in ph_filler_shapes[]: "platelet", "fibre", "particle" */
+    int material;
+    ph_amount amount;
+    double amount_value;
+    ph_counting counting;
+    ph_distribution thickness;    /* platelet; diameter of a fibre */
+    ph_distribution aspect_ratio; /* length / thickness; particle: long / short axis */
+    ph_distribution length;
+    ph_distribution size;  /* particle: diameter, the short one of an ellipsoid */
+    ph_distribution width; /* 3D platelet; not given: its length */
+    bool disc;             /* 3D platelet: round, not rectangular */
+    ph_curvature curvature;
+    ph_distribution bend; /* arc angle, radius, helix radius, persistence length */
+    ph_distribution pitch;
+    ph_orientation orientation; /* of the length; 3D platelets: of the normal */
+    double axis[3];             /* unit */
+    double spread;              /* degrees */
+    double concentration;
+    double tensor[9];
+    double gap;   /* least distance between surfaces; NaN: fillers may overlap */
+    int clusters; /* agglomerates; 0: none */
+    double cluster_radius, cluster_share;
+    double interphase_kappa;     /* 0: not given */
+    double interphase_thickness; /* 0: none */
+    int interphase_material;
+} ph_filler;
 
 /** A case file, parsed and checked. Owns its arrays; everything else is a value. */
 typedef struct ph_case {
@@ -52,9 +106,12 @@ typedef struct ph_case {
     int matrix;
     int ninclusions;
     ph_inclusion *inclusions;
+    int nfillers;
+    ph_filler *fillers; /* painted after the inclusions */
     ph_voxels voxels;
     ph_interface interface;
     uint64_t seed;
+    uint64_t realisation;  /* which of the random microstructures of this seed */
     ph_model_params model; /* strings point to catalogue names */
     ph_constraint_params constraint;
     ph_solver_params solver;

@@ -27,7 +27,7 @@ typedef struct ph_model_params {
     ph_points points; /* of nosb */
     double horizon;   /* 0: default (2 spacings for nodes, smallest for stress points;
                        * bond: 3 spacings) */
-    bool horizon_is_length; /* else in spacings of the first axis */
+    bool horizon_is_length; /* else in spacings, the widest one */
     const char *influence;  /* in ph_influences[]; NULL: "constant" */
     const char *weights;    /* in ph_volume_weights[]; NULL: "linear", bond: "exact" */
     ph_stabilisation stabilisation;
@@ -146,8 +146,8 @@ typedef struct ph_result {
 
 /** Effective stiffness of a microstructure.
  *
- *  @return PH_OK; PH_ENOCONV (then `out` still holds the report and the best iterate, and
- *          err the iteration and residual); PH_EINVAL; PH_ESINGULAR; PH_ENOMEM;
+ *  @return PH_OK; PH_ENOCONV (then `out` still holds the report and the columns of the
+ *          loads solved before, and err the iteration and residual); PH_EINVAL; PH_ESINGULAR; PH_ENOMEM;
  *          PH_ECANCELLED. Cost: iterations x loads x O(n log n). */
 PH_API ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx,
                                ph_result **out, ph_error *err);

@@ -77,17 +77,19 @@ static bool plain_inverse(int n, double a[3][3], double inv[3][3])
     return true;
 }
 
+/* In units of `top`, the largest entry of all modes: products of three entries in units of
+ * the user may overflow. */
 static void invert_mode(double *P, int nd, ptrdiff_t modes, ptrdiff_t k, double top)
 {
     double a[3][3] = {{0}}, inv[3][3] = {{0}};
     for (int i = 0; i < nd; i++)
         for (int j = 0; j < nd; j++)
-            a[i][j] = P[(nd == 3 ? place3[i][j] : place2[i][j]) * modes + k];
-    bool seen = a[0][0] > top * 1e-14;
-    if (!seen || !plain_inverse(nd, a, inv)) pseudo_inverse(nd, a, top * 1e-14, inv);
+            a[i][j] = P[(nd == 3 ? place3[i][j] : place2[i][j]) * modes + k] / top;
+    bool seen = a[0][0] > 1e-14;
+    if (!seen || !plain_inverse(nd, a, inv)) pseudo_inverse(nd, a, 1e-14, inv);
     for (int i = 0; i < nd; i++)
         for (int j = i; j < nd; j++)
-            P[(nd == 3 ? place3[i][j] : place2[i][j]) * modes + k] = inv[i][j];
+            P[(nd == 3 ? place3[i][j] : place2[i][j]) * modes + k] = inv[i][j] / top;
 }
 
 ph_status ph_i_green_init(ph_green *g, ph_operator *op, const ph_sym4 *C0, ph_error *err)
@@ -104,6 +106,7 @@ ph_status ph_i_green_init(ph_green *g, ph_operator *op, const ph_sym4 *C0, ph_er
     for (ptrdiff_t k = 0; k < g->nd * g->modes; k++)
         top = fmax(top, g->inverse[k]);
     PH_CHECK(isfinite(top), PH_ESINGULAR, "the reference medium is not finite");
+    if (top == 0.0) goto out; /* one cell: nothing to invert */
 #pragma omp parallel for num_threads(g->threads) schedule(static)
     for (ptrdiff_t k = 1; k < g->modes; k++)
         invert_mode(g->inverse, g->nd, g->modes, k, top);

@@ -74,7 +74,7 @@ static ph_status invert_shape(const ph_family *f, double inv[3][3], ph_error *er
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             a[i][j] = f->active[i] && f->active[j] ? f->K[i][j] : (double)(i == j);
-    double c[3][3], trace = f->K[0][0] + f->K[1][1] + f->K[2][2];
+    double c[3][3];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
@@ -82,7 +82,7 @@ static ph_status invert_shape(const ph_family *f, double inv[3][3], ph_error *er
         }
     double det = a[0][0] * c[0][0] + a[0][1] * c[0][1] + a[0][2] * c[0][2], scale = 1.0;
     for (int d = 0; d < 3; d++)
-        if (f->active[d]) scale *= trace;
+        if (f->active[d]) scale *= f->K[d][d]; /* cells may be long and thin */
     PH_CHECK(det > 1e-14 * scale, PH_ESINGULAR,
              "the shape tensor of the family is singular: the horizon %g reaches too few "
              "nodes; give a larger horizon",
@@ -140,6 +140,8 @@ static ph_status check_reach(const ph_grid *grid, const ph_family *f, ph_error *
              "horizon %g is too small for this grid: at least %g (%s)", f->horizon, least,
              f->points == PH_POINTS_STRESS ? "half the diagonal of a cell"
                                            : "the largest spacing");
+    /* Half a diagonal reaches the corners of the cell and nothing else, however flat it is. */
+    if (f->points == PH_POINTS_STRESS && f->horizon <= least * (1.0 + 1e-9)) return PH_OK;
     for (int d = 0; d < 3; d++)
         PH_CHECK(!f->active[d] || f->horizon <= 0.5 * grid->size[d] * (1.0 + 1e-9) ||
                      f->horizon <= 2.0 * grid->h[d] * (1.0 + 1e-9),

@@ -113,3 +113,17 @@ $ perihom run small.yaml -q -o full > /dev/full
 $ ls -A full
 > phases.png
 > result.json
+
+# A contrast at which a residual of 1e-6 says nothing of the directions across the fibres, which
+# the stiffness along them must not hide: no number is better than a wrong one.
+$ perihom run small.yaml -q --set materials.fibre.E=1e14 -o extreme > /dev/null; echo $?; ls extreme 2>&1 | grep -c 'No such'
+> 4
+> 1
+! perihom: error: the error of the stress averages is * of the effective tensor: *
+
+# Two cases into one folder at once: the one that ends first is kept, the other one says so.
+$ perihom run small.yaml -q -o both --set microstructure.nodes=[192,192] >/dev/null 2>talk & perihom run small.yaml -q -o both >/dev/null 2>>talk; a=$?; wait $!; echo $((a + $?)); grep -c 'result of another case' talk; ls -A both
+> 5
+> 1
+> phases.png
+> result.json

@@ -159,7 +159,7 @@ static void solvers_agree(void **state)
             if (strcmp(name, "direct") == 0 ||
                 (cut_at_faces(k) && strcmp(name, "fft_cg") == 0))
                 continue;
-            ph_result *other = solve(k, micro, name, 1, 1e-9, false);
+            ph_result *other = solve(k, micro, name, 1, 1e-8, false);
             if (!other) continue;
             double d = difference(&other->stiffness, &direct->stiffness);
             if (!(d < same))
@@ -185,7 +185,7 @@ static void solve_with(random_case *c, const ph_solver_method *solver, int threa
 {
     ph_error err = PH_ERROR_INIT;
     ph_setting setting = {.box = c->micro->grid};
-    ph_cg_report report = {.tolerance = 1e-4, .max_iterations = 200};
+    ph_cg_report report = {.tolerance = 1e-2, .max_iterations = 200};
     ph_system system = {.setting = &setting, .params = &c->params, .meter = &c->meter};
     const double macro[6] = {1.0, 0.3, 0.2, 0.1, 0.5, 0.4};
     void *self = NULL;

@@ -57,7 +57,7 @@ static void check_one(const char *name)
     if (!want || strcmp(got, want) != 0) {
         print_error("%s: got\n%swant\n%s", name, got,
                     want ? want : "(no .expect file)\n");
-        CHECK(!"as expected");
+        check_failures++;
     }
     CHECK(strncmp(got, err.msg, strlen(err.msg)) == 0); /* err has the first of them */
     CHECK(ph_case_read(name, NULL, 0, &c, NULL, &alone) ==

@@ -286,8 +286,8 @@ static void test_overrides(void **state)
     const char *const sets[] = {
         "microstructure.inclusions.0.fraction=",
         "microstructure.inclusions.0.radius=0.3",
-        "microstructure.inclusions.1={shape: layer, normal: 1, from: 0, "
-        "to: 0.1, material: steel}",
+        ("microstructure.inclusions.1={shape: layer, normal: 1, from: 0, "
+         "to: 0.1, material: steel}"),
         "materials.steel={E: 210, nu: 0.3}",
         "model.horizon.length=0.25",
         "constraint=linear_displacement",

@@ -20,18 +20,18 @@ static const plan plans[] = {{PH_POINTS_STRESS, 0},   {PH_POINTS_STRESS, 1.6},
                              {PH_POINTS_NODES, 1.5},  {PH_POINTS_NODES, 2}};
 enum { PLANS = 6 };
 
-static ph_problem unstabilised(const ph_microstructure *micro, const plan *plan)
+static ph_problem unstabilised(const ph_microstructure *micro, const plan *how)
 {
     ph_problem p = {.micro = micro, .solver = {.tolerance = 1e-11}};
-    p.model.points = plan->points;
-    p.model.horizon = plan->horizon;
+    p.model.points = how->points;
+    p.model.horizon = how->horizon;
     p.model.stabilisation = PH_STABILISE_NONE;
     return p;
 }
 
 /* [Hill1963]: 1/(lambda* + 2G) = sum f_i / (lambda_i + 2G), G* = G. In 3D and in plane
  * strain; also a phase with negative lambda. */
-static void check_hill(ph_kinematics kin, const plan *plan, uint64_t *seed)
+static void check_hill(ph_kinematics kin, const plan *how, uint64_t *seed)
 {
     bool deep = kin == PH_SPACE;
     double lambda[3] = {1.0, check_uniform(seed, 10, 30), check_uniform(seed, -0.5, 0.2)};
@@ -44,7 +44,7 @@ static void check_hill(ph_kinematics kin, const plan *plan, uint64_t *seed)
     ph_microstructure_fractions(m, f);
     for (int i = 0; i < 3; i++)
         inverse += f[i] / (lambda[i] + 2.0);
-    ph_problem p = unstabilised(m, plan);
+    ph_problem p = unstabilised(m, how);
     ph_sym4 c = stiffness_of(&p);
     double all = 1.0 / inverse, tol = 1e-10 * all;
     for (int i = 1; i <= (deep ? 3 : 2); i++)
@@ -80,7 +80,7 @@ static void antiplane(const ph_problem *problem, double G[2][2])
 }
 
 /* Largest entry of G(a,b) R G(b,a) R^T / (a b) - I; R turns by 90 degrees. */
-static double keller_error(const double G[2][2], const double H[2][2], double ab)
+static double keller_error(double G[2][2], double H[2][2], double ab)
 {
     double T[2][2] = {{H[1][1], -H[1][0]}, {-H[0][1], H[0][0]}}, worst = 0.0;
     for (int i = 0; i < 2; i++)

@@ -26,15 +26,15 @@ static ph_microstructure *layers(ph_kinematics kin, int normal, ptrdiff_t n, dou
 }
 
 static double error_of(ph_kinematics kin, int normal, ptrdiff_t n, double from, double to,
-                       ph_material *two, const plan *plan)
+                       ph_material *two, const plan *how)
 {
     ph_error err = PH_ERROR_INIT;
     ph_microstructure *m = layers(kin, normal, n, from, to, two);
     ph_problem p = {.micro = m, .solver = {.tolerance = 1e-12}};
-    p.model = (ph_model_params){.kind = plan->model,
-                                .points = plan->points,
-                                .horizon = plan->horizon,
-                                .stabilisation = plan->stabilisation};
+    p.model = (ph_model_params){.kind = how->model,
+                                .points = how->points,
+                                .horizon = how->horizon,
+                                .stabilisation = how->stabilisation};
     ph_sym4 got = stiffness_of(&p), a, b, want;
     double along[3] = {normal == 1, normal == 2, normal == 3};
     CHECK_OK(ph_sym4_reduce(&two[0].stiffness, kin, &a, &err));
@@ -83,11 +83,11 @@ static void test_own_cell(void **state)
 static void test_nodes_face(void **state)
 {
     (void)state;
-    const plan plan = {"nosb", PH_POINTS_NODES, 1.0, PH_STABILISE_SPECTRAL};
+    const plan smallest = {"nosb", PH_POINTS_NODES, 1.0, PH_STABILISE_SPECTRAL};
     uint64_t seed = check_seed();
     for (int k = 0; k < KINEMATICS; k++) {
         ph_material two[2] = {anisotropic("a", &seed), anisotropic("b", &seed)};
-        double e = error_of(kinematics[k], 1, 16, 0.25, 0.625, two, &plan);
+        double e = error_of(kinematics[k], 1, 16, 0.25, 0.625, two, &smallest);
         CHECK(e < 2e-5);
         CHECK(e > 1e-8); /* seen, so the stabilisation is on */
     }
@@ -104,14 +104,14 @@ static void test_nodes_order(void **state)
     for (int k = 0; k < KINEMATICS; k++)
         for (int normal = 1; normal <= (kinematics[k] == PH_SPACE ? 3 : 2); normal++) {
             ph_material two[2] = {anisotropic("a", &seed), anisotropic("b", &seed)};
-            const plan plan = {"nosb", PH_POINTS_NODES, 2.0, PH_STABILISE_SPECTRAL};
+            const plan wider = {"nosb", PH_POINTS_NODES, 2.0, PH_STABILISE_SPECTRAL};
             double h[4], worst[4];
             for (int i = 0; i < 4; i++) {
                 h[i] = 1.0 / (8 << i);
                 double face =
-                    error_of(kinematics[k], normal, 8 << i, 0.25, 0.625, two, &plan);
+                    error_of(kinematics[k], normal, 8 << i, 0.25, 0.625, two, &wider);
                 double cut =
-                    error_of(kinematics[k], normal, 8 << i, 0.28, 0.635, two, &plan);
+                    error_of(kinematics[k], normal, 8 << i, 0.28, 0.635, two, &wider);
                 worst[i] = fmax(face, cut);
             }
             CHECK(fitted_order(4, h, worst) >= 0.8);

@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* ph_homogenise with every one of its own allocations failing once: each route, solver and
+ * constraint, on grids as small as they get. Allocations within FFTW, CHOLMOD and OpenMP are
+ * not ours and are not seen; what CHOLMOD reports is in tests/cross/test_solvers.c. */
+#include "check.h"
+#include "oom/countdown.h"
+#include "random_cases.h"
+
+typedef struct world {
+    ph_problem problem;
+    ph_result *result;
+} world;
+
+static ph_status call(void *user, ph_error *err)
+{
+    world *w = user;
+    ph_ctx ctx = {.threads = 1};
+    return ph_homogenise(&w->problem, &ctx, &w->result, err);
+}
+
+static bool untouched(const void *user)
+{
+    return !((const world *)user)->result;
+}
+
+static void done(void *user)
+{
+    ph_result_free(&((world *)user)->result);
+}
+
+typedef struct way {
+    const char *what;
+    ptrdiff_t n[3];
+    ph_model_params model;
+    const char *solver, *constraint, *route;
+} way;
+
+#define S .stabilisation = PH_STABILISE_SPECTRAL, .stabilisation_value = 1e-2
+#define P .stabilisation = PH_STABILISE_SUBPOINT, .stabilisation_value = 0.1
+
+static const way ways[] = {
+    {"local", {4, 3, 1}, {.kind = "local"}, "fft_cg", "periodic", "cells"},
+    {"cells (S)",
+     {4, 3, 1},
+     {.points = PH_POINTS_STRESS, S},
+     "fft_cg",
+     "periodic",
+     "cells"},
+    {"stencil (P)",
+     {5, 5, 1},
+     {.points = PH_POINTS_NODES, .horizon = 1.0, P},
+     "fft_cg",
+     "periodic",
+     "stencil"},
+    {"convolution (S)",
+     {1, 12, 12},
+     {.points = PH_POINTS_NODES, .horizon = 4.0, S},
+     "fft_cg",
+     "periodic",
+     "convolution"},
+    {"convolution (P)",
+     {12, 12, 1},
+     {.points = PH_POINTS_STRESS, .horizon = 4.0, P},
+     "fft_cg",
+     "linear_displacement",
+     "convolution"},
+    {"direct", {4, 3, 1}, {.points = PH_POINTS_STRESS, S}, "direct", "periodic", "cells"},
+    {"relaxation",
+     {4, 3, 1},
+     {.points = PH_POINTS_STRESS, P},
+     "relaxation",
+     "periodic",
+     "cells"},
+    {"held nodes",
+     {4, 4, 1},
+     {.points = PH_POINTS_STRESS, S},
+     "fft_cg",
+     "linear_displacement",
+     "cells"},
+    {"free body", {4, 3, 1}, {.kind = "local"}, "fft_cg", "uniform_traction", "cells"},
+    {"cut families",
+     {4, 4, 1},
+     {.points = PH_POINTS_NODES, .horizon = 1.0, S},
+     "direct",
+     "uniform_traction",
+     "bonds"},
+    {"voigt", {4, 3, 1}, {.kind = "local"}, NULL, "voigt", "analytic"},
+};
+
+static void every_allocation_fails(void **state)
+{
+    (void)state;
+    uint64_t seed = check_seed();
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        const way *k = &ways[i];
+        for (int collar = 0; collar < 2; collar++) {
+            bool held = strcmp(k->constraint, "linear_displacement") == 0;
+            if (collar && (!held || strcmp(k->route, "cells") != 0)) continue;
+            if (held && strcmp(k->route, "convolution") == 0) collar = 1;
+            ph_error err = PH_ERROR_INIT;
+            ph_microstructure *micro = random_micro(&seed, PH_SPACE, k->n, false);
+            world w = {.problem = {.micro = micro,
+                                   .model = k->model,
+                                   .constraint = {.kind = k->constraint},
+                                   .solver = {.kind = k->solver, .tolerance = 0.3},
+                                   .loads = 2u,
+                                   .keep_fields = true}};
+            if (collar) w.problem.constraint.collar = PH_COLLAR_MATRIX;
+            CHECK_OK(call(&w, &err)); /* FFTW's and OpenMP's own are made here */
+            CHECK(w.result && strcmp(w.result->route, k->route) == 0);
+            if (w.result && strcmp(w.result->route, k->route) != 0)
+                print_error("  ... %s: route %s\n", k->what, w.result->route);
+            ph_result_free(&w.result);
+            if (check_failures == 0) countdown_run(k->what, call, untouched, done, &w);
+            ph_microstructure_free(&micro);
+        }
+    }
+    CHECK_END();
+}
+
+/* More materials than the fractions have room for without memory of their own. */
+static void many_materials(void **state)
+{
+    (void)state;
+    enum { MANY = 70 };
+    ph_error err = PH_ERROR_INIT;
+    ph_material *m = calloc(MANY, sizeof *m);
+    ph_grid g;
+    ph_microstructure *micro = NULL;
+    ptrdiff_t n[2] = {10, 7};
+    double size[2] = {1, 1};
+    for (int i = 0; i < MANY; i++)
+        CHECK_OK(ph_material_isotropic("m", 1.0 + i, 0.3, &m[i], &err));
+    CHECK_OK(ph_grid_init(&g, PH_PLANE_STRESS, n, size, &err));
+    CHECK_OK(ph_microstructure_new(&g, MANY, m, &micro, &err));
+    for (int i = 0; micro && i < MANY; i++)
+        micro->phase[i] = (uint16_t)i;
+    world w = {.problem = {.micro = micro, .constraint = {.kind = "reuss"}}};
+    countdown_run("70 materials", call, untouched, done, &w);
+    ph_microstructure_free(&micro);
+    free(m);
+    CHECK_END();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_allocation_fails),
+        cmocka_unit_test(many_materials),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
