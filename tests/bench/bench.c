@@ -166,10 +166,11 @@ static void bench_random(const char *name, int n, int count)
         scene_free(&s);
     }
     double mean = sum / count;
-    printf("{\"bench\": \"random\", \"problem\": \"%s\", \"n\": %d, \"count\": %d, "
-           "\"cpu\": %.4g, \"iterations_per_load\": %.3g, \"E11\": %.6g, \"std\": %.3g}\n",
-           name, n, count, cpu, 0.5 * iterations / count, mean,
-           sqrt(fmax(0.0, squares / count - mean * mean)));
+    printf(
+        "{\"bench\": \"random\", \"problem\": \"%s\", \"n\": %d, \"count\": %d, "
+        "\"cpu\": %.4g, \"iterations_per_load\": %.3g, \"E11\": %.6g, \"std\": %.3g}\n",
+        name, n, count, cpu, 0.5 * iterations / count, mean,
+        sqrt(fmax(0.0, squares / count - mean * mean)));
 }
 
 static void bench_threads(const char *name, int n)
@@ -339,10 +340,12 @@ static int run(const char *word)
 {
     ptrdiff_t n[3] = {1, 1, 1};
     char name[32], model[32] = "nosb", route[32] = "auto";
-    int size;
+    int size, count;
     double horizon = 0.0;
     if (sscanf(word, "solve:%31[^:]:%d:%31s", name, &size, model) >= 2)
         bench_solve(name, size, model);
+    else if (sscanf(word, "random:%31[^:]:%d:%d", name, &size, &count) == 3 && count > 0)
+        bench_random(name, size, count);
     else if (sscanf(word, "threads:%31[^:]:%d", name, &size) == 2)
         bench_threads(name, size);
     else if (sscanf(word, "horizon:%tdx%tdx%td", &n[0], &n[1], &n[2]) == 3)
