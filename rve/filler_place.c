@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { TRIALS = 200, MAX_SWEEPS = 4000, MAX_PLACED = 1 << 30 };
+enum { TRIALS = 200, MAX_SWEEPS = 4000, PATIENCE = 100, MAX_PLACED = 1 << 30 };
 
 ph_status ph_i_grow(void **array, ptrdiff_t count, ptrdiff_t *held, size_t size,
                     const char *what, ph_error *err)
@@ -352,6 +352,8 @@ typedef struct push {
     const ph_i_generator *g;
     double (*move)[3], (*turn)[3];
     ptrdiff_t touching;
+    bool *stuck;         /* which fillers touch */
+    const int *clusters; /* [kinds] first agglomerate of each */
 } push;
 
 /* Both fillers of a pair that is too near get half of the missing distance. */
@@ -363,6 +365,7 @@ static bool add_push(void *context, const pair *q)
     if (q->j < q->i) return false; /* the other one has seen it */
     if (!too_near((void *)(uintptr_t)w->g, q)) return false;
     w->touching++;
+    w->stuck[q->i] = w->stuck[q->j] = true;
     double apart = ph_i_separation(q->a, q->b, q->shift, p->dimensions, n, at);
     double slack = 1e-3 * fmin(q->a->half[1], q->b->half[1]);
     double missing = fmax(q->gap + slack - apart, slack) / 2;
@@ -429,14 +432,30 @@ static void apply(const push *w)
     }
 }
 
-static ph_status relax(ph_i_generator *g, finder *s, double gap, int *sweeps,
-                       ph_error *err)
+/* Fillers that cross, or block each other, are put somewhere else now and then: half of
+ * those that touch. */
+static void place_anew(const push *w, int sweep)
+{
+    const ph_i_generator *g = w->g;
+    ph_packing *p = g->p;
+    for (ptrdiff_t i = 0; i < p->n; i++) {
+        ph_placed *x = &p->filler[i];
+        ph_random r = {g->c->seed, g->c->realisation, OBJECT_KIND(x->kind) | x->number,
+                       DRAW_POSITION * 2 + (uint64_t)sweep};
+        if (!w->stuck[i] || ph_random_uniform(&r) < 0.5) continue;
+        position(g, x->kind, x->number, TRIALS + sweep, w->clusters[x->kind], x);
+    }
+}
+
+static ph_status relax(ph_i_generator *g, finder *s, double gap, const int *clusters,
+                       int *sweeps, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_packing *p = g->p;
-    push w = {.g = g};
+    push w = {.g = g, .clusters = clusters};
     PH_ALLOC(w.move, p->n, "the moves of the fillers");
     PH_ALLOC(w.turn, p->n, "the turns of the fillers");
+    PH_ALLOC(w.stuck, p->n, "the fillers that touch");
     for (*sweeps = 1; *sweeps <= MAX_SWEEPS; ++*sweeps) {
         finder_empty(s);
         for (ptrdiff_t i = 0; i < p->n; i++)
@@ -444,18 +463,23 @@ static ph_status relax(ph_i_generator *g, finder *s, double gap, int *sweeps,
                 PH_TRY(finder_add(s, p, i, err));
         memset(w.move, 0, (size_t)p->n * sizeof *w.move);
         memset(w.turn, 0, (size_t)p->n * sizeof *w.turn);
+        memset(w.stuck, 0, (size_t)p->n * sizeof *w.stuck);
         w.touching = 0;
         for (ptrdiff_t i = 0; i < p->n; i++)
             if (!isnan(g->c->fillers[p->filler[i].kind].gap))
                 (void)visit_neighbours(g, s, i, gap, add_push, &w);
         if (w.touching == 0) break;
-        apply(&w);
+        if (*sweeps % PATIENCE == 0)
+            place_anew(&w, *sweeps);
+        else
+            apply(&w);
     }
     PH_CHECK(w.touching == 0, PH_EUNPHYSICAL,
              "jammed: %td pairs still nearer than the gap", w.touching);
 out:
     free(w.move);
     free(w.turn);
+    free(w.stuck);
     return st;
 }
 
@@ -512,9 +536,10 @@ static bool wanted(const ph_i_generator *g, int k)
 
 typedef struct placing {
     finder s;
-    double gap;  /* largest of all kinds; negative: none is kept */
-    double rsa;  /* content that random addition reached, over the box */
-    bool jammed; /* of the present kind: place the rest anywhere and relax */
+    double gap;    /* largest of all kinds; negative: none is kept */
+    double rsa;    /* content that random addition reached, over the box */
+    int *clusters; /* [kinds] first agglomerate of each */
+    bool jammed;   /* of the present kind: place the rest anywhere and relax */
 } placing;
 
 static ph_status place_last(ph_i_generator *g, placing *w, int k, uint64_t number,
@@ -548,11 +573,10 @@ static ph_status place_kind(ph_i_generator *g, placing *w, int k, ph_error *err)
     ph_packing *p = g->p;
     ph_filler_report *r = &p->kind[k];
     double map[9];
-    int clusters;
     w->jammed = false;
     r->target = target_fraction(g->c, k);
     ph_i_tensor_map(&g->c->fillers[k], p->dimensions, map);
-    PH_TRY(draw_clusters(g, k, &clusters, err));
+    PH_TRY(draw_clusters(g, k, &w->clusters[k], err));
     for (uint64_t number = 0;; number++) {
         PH_CHECK(p->n < MAX_PLACED, PH_EUNPHYSICAL, "more than 2^30 fillers");
         PH_TRY(ph_i_draw_filler(g, k, map, number, err));
@@ -561,13 +585,13 @@ static ph_status place_kind(ph_i_generator *g, placing *w, int k, ph_error *err)
             break;
         }
         PH_TRY(check_length(g, &p->filler[p->n - 1], err));
-        PH_TRY(place_last(g, w, k, number, clusters, err));
+        PH_TRY(place_last(g, w, k, number, w->clusters[k], err));
         double content = p->filler[p->n - 1].content / box_content(g, r->counting);
         r->reached += content;
         r->largest = fmax(r->largest, content);
         r->count++;
     }
-    if (r->relaxed > 0) PH_TRY(relax(g, &w->s, w->gap, &r->sweeps, err));
+    if (r->relaxed > 0) PH_TRY(relax(g, &w->s, w->gap, w->clusters, &r->sweeps, err));
 out:
     if (st == PH_EUNPHYSICAL && r->sweeps > MAX_SWEEPS)
         ph_error_prefix(err,
@@ -602,6 +626,7 @@ ph_status ph_rve_place(const ph_case *c, ph_packing **out, ph_error *err)
     g.p->dimensions = c->kinematics == PH_SPACE ? 3 : 2;
     g.p->nkinds = c->nfillers;
     PH_ALLOC(g.p->kind, c->nfillers, "the fillers");
+    PH_ALLOC(w.clusters, c->nfillers, "the agglomerates");
     g.spacing = fmin(g.grid.h[0], g.grid.h[1]);
     if (g.p->dimensions == 3) g.spacing = fmin(g.spacing, g.grid.h[2]);
     double cell = g.spacing;
@@ -621,6 +646,7 @@ out:
         ph_error_prefix(err, "%s:%d: microstructure.fillers[%d]: ", c->path,
                         c->fillers[k].line, k);
     finder_clear(&w.s);
+    free(w.clusters);
     ph_packing_free(&g.p);
     return st;
 }
