@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { TRIALS = 200, MAX_SWEEPS = 4000, PATIENCE = 100, MAX_PLACED = 1 << 30 };
+enum { TRIALS = 200, MAX_SWEEPS = 4000, PATIENCE = 50, MAX_PLACED = 1 << 30 };
 
 ph_status ph_i_grow(void **array, ptrdiff_t count, ptrdiff_t *held, size_t size,
                     const char *what, ph_error *err)
@@ -257,10 +257,10 @@ static bool visit_neighbours(const ph_i_generator *g, finder *s, ptrdiff_t i,
 /* Nearer than the gap, or overlapping? What cannot be told counts as too near. */
 static bool too_near(void *context, const pair *q)
 {
-    const ph_i_generator *g = context;
-    g->p->tests++;
+    ph_packing *p = context;
+    p->tests++;
     double tiny = 1e-9 * (q->a->half[0] + q->b->half[0]);
-    return ph_solid_distance(q->a, q->b, q->shift, g->p->dimensions, q->gap + tiny) <
+    return ph_solid_distance(q->a, q->b, q->shift, p->dimensions, q->gap + tiny) <
            q->gap + tiny;
 }
 
@@ -363,7 +363,7 @@ static bool add_push(void *context, const pair *q)
     const ph_packing *p = w->g->p;
     double n[3], at[3];
     if (q->j < q->i) return false; /* the other one has seen it */
-    if (!too_near((void *)(uintptr_t)w->g, q)) return false;
+    if (!too_near(w->g->p, q)) return false;
     w->touching++;
     w->stuck[q->i] = w->stuck[q->j] = true;
     double apart = ph_i_separation(q->a, q->b, q->shift, p->dimensions, n, at);
@@ -432,19 +432,29 @@ static void apply(const push *w)
     }
 }
 
-/* Fillers that cross, or block each other, are put somewhere else now and then: half of
- * those that touch. */
-static void place_anew(const push *w, int sweep)
+/* Fillers that cross, or block each other, move to free places where trials find some. */
+static ph_status place_anew(const push *w, finder *s, double gap, int sweep,
+                            ph_error *err)
 {
+    ph_status st = PH_OK;
     const ph_i_generator *g = w->g;
     ph_packing *p = g->p;
     for (ptrdiff_t i = 0; i < p->n; i++) {
-        ph_placed *x = &p->filler[i];
-        ph_random r = {g->c->seed, g->c->realisation, OBJECT_KIND(x->kind) | x->number,
-                       DRAW_POSITION * 2 + (uint64_t)sweep};
-        if (!w->stuck[i] || ph_random_uniform(&r) < 0.5) continue;
-        position(g, x->kind, x->number, TRIALS + sweep, w->clusters[x->kind], x);
+        ph_placed *x = &p->filler[i], old = *x;
+        bool found = false;
+        if (!w->stuck[i]) continue;
+        for (int t = 0; t < TRIALS && !found; t++) {
+            position(g, x->kind, x->number, TRIALS * (sweep + 1) + t,
+                     w->clusters[x->kind], x);
+            found = !visit_neighbours(g, s, i, gap, too_near, g->p);
+        }
+        if (found)
+            PH_TRY(finder_add(s, p, i, err));
+        else
+            *x = old;
     }
+out:
+    return st;
 }
 
 static ph_status relax(ph_i_generator *g, finder *s, double gap, const int *clusters,
@@ -453,6 +463,8 @@ static ph_status relax(ph_i_generator *g, finder *s, double gap, const int *clus
     ph_status st = PH_OK;
     ph_packing *p = g->p;
     push w = {.g = g, .clusters = clusters};
+    ptrdiff_t best = PTRDIFF_MAX; /* fewest pairs that touched, and when */
+    int since = 0;
     PH_ALLOC(w.move, p->n, "the moves of the fillers");
     PH_ALLOC(w.turn, p->n, "the turns of the fillers");
     PH_ALLOC(w.stuck, p->n, "the fillers that touch");
@@ -469,10 +481,14 @@ static ph_status relax(ph_i_generator *g, finder *s, double gap, const int *clus
             if (!isnan(g->c->fillers[p->filler[i].kind].gap))
                 (void)visit_neighbours(g, s, i, gap, add_push, &w);
         if (w.touching == 0) break;
-        if (*sweeps % PATIENCE == 0)
-            place_anew(&w, *sweeps);
-        else
+        if (w.touching < best) best = w.touching, since = *sweeps;
+        if (*sweeps - since >= PATIENCE) {
+            PH_TRY(place_anew(&w, s, gap, *sweeps, err));
+            best = PTRDIFF_MAX;
+            since = *sweeps;
+        } else {
             apply(&w);
+        }
     }
     PH_CHECK(w.touching == 0, PH_EUNPHYSICAL,
              "jammed: %td pairs still nearer than the gap", w.touching);
@@ -554,7 +570,7 @@ static ph_status place_last(ph_i_generator *g, placing *w, int k, uint64_t numbe
     bool free_place = false;
     for (int t = 0; t < (w->jammed ? 1 : TRIALS) && !free_place; t++) {
         position(g, k, number, t, clusters, x);
-        free_place = !visit_neighbours(g, &w->s, p->n - 1, w->gap, too_near, g);
+        free_place = !visit_neighbours(g, &w->s, p->n - 1, w->gap, too_near, p);
     }
     if (free_place && !w->jammed) {
         w->rsa = p->kind[k].reached;
