@@ -7,6 +7,8 @@
  *   random:clay:150:200            so many realisations of it, two tensile loads
  *   threads:P3:64                  one thread against two
  *   horizon:64x64x64               an iteration at horizon 12 over one at horizon 2
+ *   clay:150                       one clay/epoxy realisation, beside the direct solver
+ *   clay_batch:200                 as many realisations on two threads
  *
  * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
  * runs, unless called wall. Ratios are of two runs in the same minute. */
@@ -64,6 +66,16 @@ static const char *const problem_yaml[] = {
     "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
     "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.2, material: "
     "f}]}\n",
+    "CLAY", /* data/cases/epoxy-clay.yaml, spacing 10 */
+    "perihom: 1\ntitle: clay\nunits: {length: nm, stress: GPa}\n"
+    "materials: {m: {E: 3.5, nu: 0.3333333333333333, density: 1156.5},\n"
+    "  f: {E: 178, nu: 0.3333333333333333, density: 1660}}\n"
+    "microstructure: {dimension: 2, plane: stress, size: [%d0, %d0], nodes: [%d, %d], "
+    "matrix: m,\n  fillers: [{shape: platelet, material: f, weight_fraction: 0.05, "
+    "thickness: 1.0,\n    aspect_ratio: {normal: {mean: 300, std: 60, min: 10}},\n"
+    "    curvature: {arc_angle: {uniform: {min: 0, max: 90}}}, counting: nodes,\n"
+    "    placement: {overlap: true}, interphase: {kappa: 0.1}}]}\n"
+    "model: {horizon: 8}\n",
 };
 
 typedef struct scene {
@@ -186,6 +198,72 @@ static void bench_threads(const char *name, int n)
            name, n, wall1, wall2, wall1 / wall2, cpu1, cpu2, same ? "true" : "false");
     ph_result_free(&one);
     ph_result_free(&two);
+    scene_free(&s);
+}
+
+/* ---- random nanocomposites --------------------------------------------------------------- */
+
+/* Both stretches of one realisation by FFT and by the sparse direct solver, in turn. */
+static void bench_clay(int n)
+{
+    scene s = scene_new("CLAY", n, "bond", true);
+    ph_result *res = NULL, *direct = NULL;
+    double wall, wall_direct, difference = 0.0;
+    s.problem.loads = 3;
+    double cpu = solve(&s, 1, 5, &wall, &res);
+    s.problem.solver.kind = "direct";
+    double cpu_direct = solve(&s, 1, 1, &wall_direct, &direct);
+    for (int a = 0; a < 2; a++)
+        for (int b = 0; b < 2; b++)
+            difference = fmax(difference,
+                              fabs(res->stiffness.m[a][b] - direct->stiffness.m[a][b]));
+    printf("{\"bench\": \"clay\", \"n\": %d, \"horizon\": 8, \"route\": \"%s\", "
+           "\"iterations\": [%d, %d], \"cpu\": %.4g, \"bytes_per_node\": %.4g, "
+           "\"cpu_direct\": %.4g, \"bytes_per_node_direct\": %.4g, "
+           "\"direct_over_fft\": %.4g, \"difference\": %.2g}\n",
+           n, res->route, res->iterations[0], res->iterations[1], cpu,
+           (double)res->peak_bytes / n / n, cpu_direct,
+           (double)direct->peak_bytes / n / n, cpu_direct / cpu,
+           difference / res->stiffness.m[0][0]);
+    ph_result_free(&res);
+    ph_result_free(&direct);
+    scene_free(&s);
+}
+
+/* a11 of realisation k: generated, solved, forgotten. */
+static double one_realisation(const scene *s, int k)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_ctx ctx = {.threads = 1};
+    ph_case c = *s->c;
+    ph_problem p = s->problem;
+    ph_microstructure *micro = NULL;
+    ph_result *res = NULL;
+    c.realisation = (uint64_t)k;
+    p.loads = 3;
+    if (ph_rve_build(&c, &micro, &err)) die("clay_batch", &err);
+    p.micro = micro;
+    if (ph_homogenise(&p, &ctx, &res, &err)) die("clay_batch", &err);
+    double a11 = res->stiffness.m[0][0];
+    ph_result_free(&res);
+    ph_microstructure_free(&micro);
+    return a11;
+}
+
+static void bench_clay_batch(int count)
+{
+    scene s = scene_new("CLAY", 150, "bond", true);
+    double w = clock_of(CLOCK_MONOTONIC), c = clock_of(CLOCK_PROCESS_CPUTIME_ID),
+           sum = 0.0;
+#pragma omp parallel for schedule(dynamic) num_threads(2) reduction(+ : sum)
+    for (int k = 0; k < count; k++)
+        sum += one_realisation(&s, k);
+    w = clock_of(CLOCK_MONOTONIC) - w;
+    c = clock_of(CLOCK_PROCESS_CPUTIME_ID) - c;
+    printf("{\"bench\": \"clay_batch\", \"realisations\": %d, \"threads\": 2, "
+           "\"wall\": %.4g, \"cpu\": %.4g, \"cpu_over_threads\": %.4g, "
+           "\"mean_a11\": %.5g}\n",
+           count, w, c, c / 2, sum / count);
     scene_free(&s);
 }
 
@@ -348,6 +426,10 @@ static int run(const char *word)
         bench_random(name, size, count);
     else if (sscanf(word, "threads:%31[^:]:%d", name, &size) == 2)
         bench_threads(name, size);
+    else if (sscanf(word, "clay:%d", &size) == 1)
+        bench_clay(size);
+    else if (sscanf(word, "clay_batch:%d", &size) == 1)
+        bench_clay_batch(size);
     else if (sscanf(word, "horizon:%tdx%tdx%td", &n[0], &n[1], &n[2]) == 3)
         bench_horizon(n);
     else if (sscanf(word, "iteration:%tdx%tdx%td:%31[^:]:%lf:%31s", &n[0], &n[1], &n[2],
