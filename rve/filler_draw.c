@@ -252,7 +252,8 @@ ph_status ph_i_draw_filler(ph_i_generator *g, int k, const double map[9], uint64
     p->filler = array;
     if (st != PH_OK) return st;
     ph_placed *x = &p->filler[p->n++];
-    *x = (ph_placed){.kind = k, .first = p->nsolids, .first_point = p->npoints};
+    *x = (ph_placed){
+        .kind = k, .number = number, .first = p->nsolids, .first_point = p->npoints};
     double ratio = quantity(&f->aspect_ratio, r, DRAW_LENGTH);
     if (strcmp(f->shape, "particle") == 0) {
         x->thickness = quantity(&f->size, r, DRAW_THICKNESS);

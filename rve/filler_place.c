@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { TRIALS = 200, MAX_SWEEPS = 4000, MAX_PLACED = 1 << 30 };
+enum { TRIALS = 200, MAX_SWEEPS = 4000, PATIENCE = 50, MAX_PLACED = 1 << 30 };
 
 ph_status ph_i_grow(void **array, ptrdiff_t count, ptrdiff_t *held, size_t size,
                     const char *what, ph_error *err)
@@ -257,10 +257,10 @@ static bool visit_neighbours(const ph_i_generator *g, finder *s, ptrdiff_t i,
 /* Nearer than the gap, or overlapping? What cannot be told counts as too near. */
 static bool too_near(void *context, const pair *q)
 {
-    const ph_i_generator *g = context;
-    g->p->tests++;
+    ph_packing *p = context;
+    p->tests++;
     double tiny = 1e-9 * (q->a->half[0] + q->b->half[0]);
-    return ph_solid_distance(q->a, q->b, q->shift, g->p->dimensions, q->gap + tiny) <
+    return ph_solid_distance(q->a, q->b, q->shift, p->dimensions, q->gap + tiny) <
            q->gap + tiny;
 }
 
@@ -352,6 +352,8 @@ typedef struct push {
     const ph_i_generator *g;
     double (*move)[3], (*turn)[3];
     ptrdiff_t touching;
+    bool *stuck;         /* which fillers touch */
+    const int *clusters; /* [kinds] first agglomerate of each */
 } push;
 
 /* Both fillers of a pair that is too near get half of the missing distance. */
@@ -361,8 +363,9 @@ static bool add_push(void *context, const pair *q)
     const ph_packing *p = w->g->p;
     double n[3], at[3];
     if (q->j < q->i) return false; /* the other one has seen it */
-    if (!too_near((void *)(uintptr_t)w->g, q)) return false;
+    if (!too_near(w->g->p, q)) return false;
     w->touching++;
+    w->stuck[q->i] = w->stuck[q->j] = true;
     double apart = ph_i_separation(q->a, q->b, q->shift, p->dimensions, n, at);
     double slack = 1e-3 * fmin(q->a->half[1], q->b->half[1]);
     double missing = fmax(q->gap + slack - apart, slack) / 2;
@@ -429,14 +432,42 @@ static void apply(const push *w)
     }
 }
 
-static ph_status relax(ph_i_generator *g, finder *s, double gap, int *sweeps,
-                       ph_error *err)
+/* Fillers that cross, or block each other, move to free places where trials find some. */
+static ph_status place_anew(const push *w, finder *s, double gap, int sweep,
+                            ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_i_generator *g = w->g;
+    ph_packing *p = g->p;
+    for (ptrdiff_t i = 0; i < p->n; i++) {
+        ph_placed *x = &p->filler[i], old = *x;
+        bool found = false;
+        if (!w->stuck[i]) continue;
+        for (int t = 0; t < TRIALS && !found; t++) {
+            position(g, x->kind, x->number, TRIALS * (sweep + 1) + t,
+                     w->clusters[x->kind], x);
+            found = !visit_neighbours(g, s, i, gap, too_near, g->p);
+        }
+        if (found)
+            PH_TRY(finder_add(s, p, i, err));
+        else
+            *x = old;
+    }
+out:
+    return st;
+}
+
+static ph_status relax(ph_i_generator *g, finder *s, double gap, const int *clusters,
+                       int *sweeps, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_packing *p = g->p;
-    push w = {.g = g};
+    push w = {.g = g, .clusters = clusters};
+    ptrdiff_t best = PTRDIFF_MAX; /* fewest pairs that touched, and when */
+    int since = 0;
     PH_ALLOC(w.move, p->n, "the moves of the fillers");
     PH_ALLOC(w.turn, p->n, "the turns of the fillers");
+    PH_ALLOC(w.stuck, p->n, "the fillers that touch");
     for (*sweeps = 1; *sweeps <= MAX_SWEEPS; ++*sweeps) {
         finder_empty(s);
         for (ptrdiff_t i = 0; i < p->n; i++)
@@ -444,18 +475,27 @@ static ph_status relax(ph_i_generator *g, finder *s, double gap, int *sweeps,
                 PH_TRY(finder_add(s, p, i, err));
         memset(w.move, 0, (size_t)p->n * sizeof *w.move);
         memset(w.turn, 0, (size_t)p->n * sizeof *w.turn);
+        memset(w.stuck, 0, (size_t)p->n * sizeof *w.stuck);
         w.touching = 0;
         for (ptrdiff_t i = 0; i < p->n; i++)
             if (!isnan(g->c->fillers[p->filler[i].kind].gap))
                 (void)visit_neighbours(g, s, i, gap, add_push, &w);
         if (w.touching == 0) break;
-        apply(&w);
+        if (w.touching < best) best = w.touching, since = *sweeps;
+        if (*sweeps - since >= PATIENCE) {
+            PH_TRY(place_anew(&w, s, gap, *sweeps, err));
+            best = PTRDIFF_MAX;
+            since = *sweeps;
+        } else {
+            apply(&w);
+        }
     }
     PH_CHECK(w.touching == 0, PH_EUNPHYSICAL,
              "jammed: %td pairs still nearer than the gap", w.touching);
 out:
     free(w.move);
     free(w.turn);
+    free(w.stuck);
     return st;
 }
 
@@ -512,9 +552,10 @@ static bool wanted(const ph_i_generator *g, int k)
 
 typedef struct placing {
     finder s;
-    double gap;  /* largest of all kinds; negative: none is kept */
-    double rsa;  /* content that random addition reached, over the box */
-    bool jammed; /* of the present kind: place the rest anywhere and relax */
+    double gap;    /* largest of all kinds; negative: none is kept */
+    double rsa;    /* content that random addition reached, over the box */
+    int *clusters; /* [kinds] first agglomerate of each */
+    bool jammed;   /* of the present kind: place the rest anywhere and relax */
 } placing;
 
 static ph_status place_last(ph_i_generator *g, placing *w, int k, uint64_t number,
@@ -529,7 +570,7 @@ static ph_status place_last(ph_i_generator *g, placing *w, int k, uint64_t numbe
     bool free_place = false;
     for (int t = 0; t < (w->jammed ? 1 : TRIALS) && !free_place; t++) {
         position(g, k, number, t, clusters, x);
-        free_place = !visit_neighbours(g, &w->s, p->n - 1, w->gap, too_near, g);
+        free_place = !visit_neighbours(g, &w->s, p->n - 1, w->gap, too_near, p);
     }
     if (free_place && !w->jammed) {
         w->rsa = p->kind[k].reached;
@@ -548,11 +589,10 @@ static ph_status place_kind(ph_i_generator *g, placing *w, int k, ph_error *err)
     ph_packing *p = g->p;
     ph_filler_report *r = &p->kind[k];
     double map[9];
-    int clusters;
     w->jammed = false;
     r->target = target_fraction(g->c, k);
     ph_i_tensor_map(&g->c->fillers[k], p->dimensions, map);
-    PH_TRY(draw_clusters(g, k, &clusters, err));
+    PH_TRY(draw_clusters(g, k, &w->clusters[k], err));
     for (uint64_t number = 0;; number++) {
         PH_CHECK(p->n < MAX_PLACED, PH_EUNPHYSICAL, "more than 2^30 fillers");
         PH_TRY(ph_i_draw_filler(g, k, map, number, err));
@@ -561,13 +601,13 @@ static ph_status place_kind(ph_i_generator *g, placing *w, int k, ph_error *err)
             break;
         }
         PH_TRY(check_length(g, &p->filler[p->n - 1], err));
-        PH_TRY(place_last(g, w, k, number, clusters, err));
+        PH_TRY(place_last(g, w, k, number, w->clusters[k], err));
         double content = p->filler[p->n - 1].content / box_content(g, r->counting);
         r->reached += content;
         r->largest = fmax(r->largest, content);
         r->count++;
     }
-    if (r->relaxed > 0) PH_TRY(relax(g, &w->s, w->gap, &r->sweeps, err));
+    if (r->relaxed > 0) PH_TRY(relax(g, &w->s, w->gap, w->clusters, &r->sweeps, err));
 out:
     if (st == PH_EUNPHYSICAL && r->sweeps > MAX_SWEEPS)
         ph_error_prefix(err,
@@ -602,6 +642,7 @@ ph_status ph_rve_place(const ph_case *c, ph_packing **out, ph_error *err)
     g.p->dimensions = c->kinematics == PH_SPACE ? 3 : 2;
     g.p->nkinds = c->nfillers;
     PH_ALLOC(g.p->kind, c->nfillers, "the fillers");
+    PH_ALLOC(w.clusters, c->nfillers, "the agglomerates");
     g.spacing = fmin(g.grid.h[0], g.grid.h[1]);
     if (g.p->dimensions == 3) g.spacing = fmin(g.spacing, g.grid.h[2]);
     double cell = g.spacing;
@@ -621,6 +662,7 @@ out:
         ph_error_prefix(err, "%s:%d: microstructure.fillers[%d]: ", c->path,
                         c->fillers[k].line, k);
     finder_clear(&w.s);
+    free(w.clusters);
     ph_packing_free(&g.p);
     return st;
 }

@@ -93,6 +93,7 @@ PH_API extern const size_t ph_nfiller_shapes;
 typedef struct ph_placed {
     int kind;           /* index into the case's fillers */
     int cluster;        /* agglomerate it belongs to, from 1; 0: none */
+    uint64_t number;    /* of its random numbers, within its kind */
     double centre[3];   /* in the box */
     double frame[3][3]; /* rows: along it, normal, third (2D: axis 3) */
     double length, thickness, width, bend;

@@ -183,8 +183,9 @@ static ph_status choose_bonds(const ph_problem *p, ph_operator_params *out,
     report->power = c == &ph_micromoduli[3] ? m->power : (double)NAN;
     report->kappa = m->kappa > 0.0 ? m->kappa : (double)NAN;
     if (m->kappa > 0.0)
-        ph_i_note(notes, "kappa %g is the interphase of this horizon (%g) and spacing; the "
-                         "bounds of Voigt and Reuss know nothing of it",
+        ph_i_note(notes,
+                  "kappa %g is the interphase of this horizon (%g) and spacing; the "
+                  "bounds of Voigt and Reuss know nothing of it",
                   m->kappa, (*family)->horizon);
     ph_i_note(notes, "bonds: the lattice has nu = %.6g, Zener ratio %.6g",
               report->lattice.nu, report->lattice.zener);

@@ -3,6 +3,8 @@
  *
  *   iteration:64x64x64:nodes:2     one CG iteration and its parts (route, horizon)
  *   solve:P3:64:nosb               all load cases of a peer's problem
+ *   solve:clay:150:bond            clay in epoxy, three loads (horizon 8 spacings)
+ *   random:clay:150:200            so many realisations of it, two tensile loads
  *   threads:P3:64                  one thread against two
  *   horizon:64x64x64               an iteration at horizon 12 over one at horizon 2
  *   clay:150                       one clay/epoxy realisation, beside the direct solver
@@ -47,6 +49,17 @@ static const char *const problem_yaml[] = {
     "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
     "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.25, material: "
     "f}]}\n",
+    "clay", /* [Ongaro2022] table 3.1 */
+    "perihom: 1\ntitle: clay\nunits: {length: nm, stress: GPa, time: s}\n"
+    "materials: {m: {E: 3.5, nu: 0.3333333333333333, density: 1156.5},\n"
+    "  f: {E: 178, nu: 0.3333333333333333, density: 1660}}\n"
+    "microstructure:\n  dimension: 2\n  plane: stress\n  nodes: [%d, %d]\n"
+    "  size: [%d0, %d0]\n  matrix: m\n  interface: node_centre\n  fillers:\n"
+    "    - {shape: platelet, material: f, weight_fraction: 0.05, thickness: 1.0,\n"
+    "       aspect_ratio: {normal: {mean: 300, std: 60, min: 10}},\n"
+    "       curvature: {arc_angle: {uniform: {min: 0, max: 90}}}, orientation: uniform,\n"
+    "       placement: {overlap: true}, counting: nodes, interphase: {kappa: 0.1}}\n"
+    "model: {kind: bond, horizon: 8, calibration: gamma}\n",
     "SC", /* simple-cubic spheres with exact constants */
     "perihom: 1\ntitle: spheres\nunits: {length: mm, stress: GPa, time: s}\n"
     "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.3}}\n"
@@ -71,17 +84,19 @@ typedef struct scene {
     ph_problem problem;
 } scene;
 
-static scene scene_new(const char *name, int n, const char *model, bool voxels)
+static scene scene_seeded(const char *name, int n, const char *model, bool voxels,
+                          int seed)
 {
     ph_error err = PH_ERROR_INIT;
     scene s = {0};
-    char text[1024], set[64];
+    char text[2048], set[64], number[64];
     for (size_t i = 0; i < sizeof problem_yaml / sizeof *problem_yaml; i += 2)
         if (strcmp(problem_yaml[i], name) == 0)
             snprintf(text, sizeof text, problem_yaml[i + 1], n, n, n, n);
     snprintf(set, sizeof set, "model.kind=%s", model);
-    const char *sets[] = {set, "microstructure.interface=node_centre"};
-    if (ph_case_parse(text, strlen(text), name, sets, voxels ? 2 : 1, &s.c, NULL, &err) ||
+    snprintf(number, sizeof number, "microstructure.seed=%d", seed);
+    const char *sets[] = {set, number, "microstructure.interface=node_centre"};
+    if (ph_case_parse(text, strlen(text), name, sets, voxels ? 3 : 2, &s.c, NULL, &err) ||
         ph_rve_build(s.c, &s.micro, &err))
         die(name, &err);
     s.problem = (ph_problem){.micro = s.micro,
@@ -90,6 +105,11 @@ static scene scene_new(const char *name, int n, const char *model, bool voxels)
                              .constraint = s.c->constraint,
                              .solver = s.c->solver};
     return s;
+}
+
+static scene scene_new(const char *name, int n, const char *model, bool voxels)
+{
+    return scene_seeded(name, n, model, voxels, 1);
 }
 
 static void scene_free(scene *s)
@@ -136,6 +156,33 @@ static void bench_solve(const char *name, int n, const char *model)
            (double)res->peak_bytes / (double)cells, v[0], v[1], v[ns * ns - 1]);
     ph_result_free(&res);
     scene_free(&s);
+}
+
+/* Realisations of a random problem one after the other: what a campaign would take. */
+static void bench_random(const char *name, int n, int count)
+{
+    double cpu = 0.0, sum = 0.0, squares = 0.0;
+    int iterations = 0;
+    for (int k = 1; k <= count; k++) {
+        double c = clock_of(CLOCK_PROCESS_CPUTIME_ID), wall;
+        scene s = scene_seeded(name, n, "bond", false, k);
+        s.problem.loads = 3;
+        ph_result *res = NULL;
+        solve(&s, 1, 1, &wall, &res);
+        double a = res->stiffness.m[0][0], b = res->stiffness.m[1][0], E = a - b * b / a;
+        cpu += clock_of(CLOCK_PROCESS_CPUTIME_ID) - c;
+        sum += E;
+        squares += E * E;
+        iterations += res->iterations[0] + res->iterations[1];
+        ph_result_free(&res);
+        scene_free(&s);
+    }
+    double mean = sum / count;
+    printf(
+        "{\"bench\": \"random\", \"problem\": \"%s\", \"n\": %d, \"count\": %d, "
+        "\"cpu\": %.4g, \"iterations_per_load\": %.3g, \"E11\": %.6g, \"std\": %.3g}\n",
+        name, n, count, cpu, 0.5 * iterations / count, mean,
+        sqrt(fmax(0.0, squares / count - mean * mean)));
 }
 
 static void bench_threads(const char *name, int n)
@@ -371,10 +418,12 @@ static int run(const char *word)
 {
     ptrdiff_t n[3] = {1, 1, 1};
     char name[32], model[32] = "nosb", route[32] = "auto";
-    int size;
+    int size, count;
     double horizon = 0.0;
     if (sscanf(word, "solve:%31[^:]:%d:%31s", name, &size, model) >= 2)
         bench_solve(name, size, model);
+    else if (sscanf(word, "random:%31[^:]:%d:%d", name, &size, &count) == 3 && count > 0)
+        bench_random(name, size, count);
     else if (sscanf(word, "threads:%31[^:]:%d", name, &size) == 2)
         bench_threads(name, size);
     else if (sscanf(word, "clay:%d", &size) == 1)

@@ -51,3 +51,22 @@ $ perihom generate
 ! usage: *
 ! *
 ? 2
+
+# Random fillers: counts, statistics, pictures; another realisation is another picture, the
+# same one the same; and what was written is a case again.
+$ printf 'perihom: 1\nmaterials: {m: {E: 1, nu: 0.3}, f: {E: 2, nu: 0.3}}\nmicrostructure: {dimension: 2, plane: strain, size: [64, 64], nodes: [64, 64], matrix: m, interface: node_centre, fillers: [{shape: fibre, material: f, volume_fraction: 0.1, thickness: 2, length: 20, placement: {gap: 1}}]}\n' > fillers.yaml; perihom generate fillers.yaml -q -o one > /dev/null; ls one
+> correlation.png
+> fillers.png
+> phases.h5
+> phases.npy
+> phases.png
+
+$ perihom generate fillers.yaml -q -o one --json | json_get fillers.0.count
+> 10
+
+$ perihom generate fillers.yaml -q -o two --set microstructure.realisation=1 > /dev/null; cmp -s one/phases.npy two/phases.npy || echo differs
+> differs
+
+$ OMP_NUM_THREADS=2 perihom generate fillers.yaml -q -o three > /dev/null; cmp one/phases.npy three/phases.npy && cmp one/phases.h5 three/phases.h5
+
+$ printf 'perihom: 1\nmaterials: {m: {E: 1, nu: 0.3}, f: {E: 2, nu: 0.3}}\nmicrostructure: {dimension: 2, plane: strain, size: [64, 64], voxels: {file: one/phases.h5, owners: /owner, materials: [m, f]}}\n' > back.yaml; perihom generate back.yaml -q > /dev/null; cmp one/phases.npy back-results/phases.npy
