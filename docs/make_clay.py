@@ -70,9 +70,9 @@ def box(size, nodes):
 # ---- contents of clay ------------------------------------------------------------------------
 
 VALIDATION = {
-    "exfoliated": dict(case="epoxy-clay-exfoliated", Em=1.96, contents=(1, 2.5, 3.5, 5), n=16,
+    "exfoliated": dict(case="epoxy-clay-exfoliated", Em=1.96, contents=(1, 2.5, 3.5, 5), n=48,
                        title="exfoliated: $\\kappa$ = 15, calibrated on 5 wt %", stated=4, tests={}),
-    "agglomerated": dict(case="epoxy-clay-agglomerated", Em=3.5, contents=(1, 3, 5), n=8,
+    "agglomerated": dict(case="epoxy-clay-agglomerated", Em=3.5, contents=(1, 3, 5), n=16,
                          title="poorly dispersed: $\\kappa$ = 0.05, calibrated on 5 wt %", stated=3,
                          tests={0: 3.50, 3: 3.47}),
 }
