@@ -143,6 +143,11 @@ def models():
                         LAYER % 20))
         rows.append(row(f"{kind} | one node | 10 nm | - | soft layer 80 nm", "model=" + "{kind: %s}" % kind, *SOFT,
                         LAYER % 80))
+    thin = [NONE, FILLER + "counting=area"]
+    rows.append(row("bond | 1 nm, cell centres | 10 nm | 80 nm | kappa 0.1", FILLER + "counting=area"))
+    for kind in ("nosb", "local"):
+        rows.append(row(f"{kind} | 1 nm, composite cells | 10 nm | - | none", "model=" + "{kind: %s}" % kind, *thin,
+                        "microstructure.interface=composite"))
     for h in (10, 5, 2.5):
         for kind in ("nosb", "local"):
             rows.append(row(f"{kind} | 20 nm | {h:g} nm | - | none", "model=" + "{kind: %s}" % kind, NONE, *THICK,

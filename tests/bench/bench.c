@@ -66,16 +66,6 @@ static const char *const problem_yaml[] = {
     "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
     "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.2, material: "
     "f}]}\n",
-    "CLAY", /* data/cases/epoxy-clay.yaml, spacing 10 */
-    "perihom: 1\ntitle: clay\nunits: {length: nm, stress: GPa}\n"
-    "materials: {m: {E: 3.5, nu: 0.3333333333333333, density: 1156.5},\n"
-    "  f: {E: 178, nu: 0.3333333333333333, density: 1660}}\n"
-    "microstructure: {dimension: 2, plane: stress, size: [%d0, %d0], nodes: [%d, %d], "
-    "matrix: m,\n  fillers: [{shape: platelet, material: f, weight_fraction: 0.05, "
-    "thickness: 1.0,\n    aspect_ratio: {normal: {mean: 300, std: 60, min: 10}},\n"
-    "    curvature: {arc_angle: {uniform: {min: 0, max: 90}}}, counting: nodes,\n"
-    "    placement: {overlap: true}, interphase: {kappa: 0.1}}]}\n"
-    "model: {horizon: 8}\n",
 };
 
 typedef struct scene {
@@ -206,7 +196,7 @@ static void bench_threads(const char *name, int n)
 /* Both stretches of one realisation by FFT and by the sparse direct solver, in turn. */
 static void bench_clay(int n)
 {
-    scene s = scene_new("CLAY", n, "bond", true);
+    scene s = scene_new("clay", n, "bond", false);
     ph_result *res = NULL, *direct = NULL;
     double wall, wall_direct, difference = 0.0;
     s.problem.loads = 3;
@@ -252,7 +242,7 @@ static double one_realisation(const scene *s, int k)
 
 static void bench_clay_batch(int count)
 {
-    scene s = scene_new("CLAY", 150, "bond", true);
+    scene s = scene_new("clay", 150, "bond", false);
     double w = clock_of(CLOCK_MONOTONIC), c = clock_of(CLOCK_PROCESS_CPUTIME_ID),
            sum = 0.0;
 #pragma omp parallel for schedule(dynamic) num_threads(2) reduction(+ : sum)
