@@ -575,8 +575,8 @@ static ph_status place_last(ph_i_generator *g, placing *w, int k, uint64_t numbe
     if (free_place && !w->jammed) {
         w->rsa = p->kind[k].reached;
     } else {
-        w->jammed = true;
-        p->kind[k].relaxed += !free_place;
+        p->kind[k].relaxed += !free_place; /* some may fail before room is short */
+        w->jammed = p->kind[k].relaxed > 10 + p->kind[k].count / 20;
     }
     PH_TRY(finder_add(&w->s, p, p->n - 1, err));
 out:

@@ -195,11 +195,14 @@ ph_status ph_i_hdf5_write(const char *path, const char *dataset, int rank,
     quiet q = silence();
     hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), set = -1;
     hid_t space = H5Screate_simple(rank, dims, NULL), groups = H5Pcreate(H5P_LINK_CREATE);
+    hid_t timeless = H5Pcreate(H5P_DATASET_CREATE); /* equal contents, equal files */
     PH_CHECK(file >= 0, PH_EIO, "cannot be written: %s", reason(text));
-    PH_CHECK(space >= 0 && groups >= 0, PH_ENOMEM, "no memory for an HDF5 file");
+    PH_CHECK(space >= 0 && groups >= 0 && timeless >= 0, PH_ENOMEM,
+             "no memory for an HDF5 file");
     H5Pset_create_intermediate_group(groups, 1);
+    H5Pset_obj_track_times(timeless, false);
     set = H5Dcreate2(file, dataset && dataset[0] ? dataset : "/phase", H5T_STD_U16LE,
-                     space, groups, H5P_DEFAULT, H5P_DEFAULT);
+                     space, groups, timeless, H5P_DEFAULT);
     PH_CHECK(set >= 0, PH_EIO, "cannot be written: %s", reason(text));
     PH_CHECK(H5Dwrite(set, H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0,
              PH_EIO, "cannot be written: %s", reason(text));
@@ -207,6 +210,7 @@ out:
     if (set >= 0 && H5Dclose(set) < 0 && st == PH_OK)
         st = PH_FAIL(err, PH_EIO, "not closed");
     if (groups >= 0) H5Pclose(groups);
+    if (timeless >= 0) H5Pclose(timeless);
     if (space >= 0) H5Sclose(space);
     if (file >= 0 && H5Fclose(file) < 0 && st == PH_OK)
         st = PH_FAIL(err, PH_EIO, "cannot be closed: %s", reason(text));

@@ -105,7 +105,7 @@ static void test_area(void **state)
 static void check_tensor(int dim, const char *shape, const char *orientation,
                          const double want[9])
 {
-    enum { N = 4000 };
+    enum { N = 20000 };
     char text[400];
     snprintf(
         text, sizeof text,
