@@ -88,11 +88,14 @@ out:
 static ph_status write_filler_files(built *b, const char *dir, ph_error *err)
 {
     ph_status st = PH_OK;
+    char fields[DESTINATION_PATH + 16];
+    snprintf(fields, sizeof fields, "%s/microstructure", dir);
     snprintf(b->fillers, sizeof b->fillers, "%s/fillers.png", dir);
     snprintf(b->owners, sizeof b->owners, "%s/phases.h5", dir);
     snprintf(b->correlation, sizeof b->correlation, "%s/correlation.png", dir);
     PH_TRY(ph_rve_write_picture(b->fillers, b->micro, b->c->matrix, b->c->title, err));
     PH_TRY(ph_rve_write_owners(b->owners, b->micro, err));
+    PH_TRY(ph_write_fields(fields, b->micro, NULL, b->c, err));
     PH_TRY(ph_write_png(b->correlation, &b->micro->grid, b->statistics->correlation, 3,
                         "two-point correlation, lag zero in the middle", err));
 out:

@@ -57,6 +57,8 @@ $ perihom generate
 $ printf 'perihom: 1\nmaterials: {m: {E: 1, nu: 0.3}, f: {E: 2, nu: 0.3}}\nmicrostructure: {dimension: 2, plane: strain, size: [64, 64], nodes: [64, 64], matrix: m, interface: node_centre, fillers: [{shape: fibre, material: f, volume_fraction: 0.1, thickness: 2, length: 20, placement: {gap: 1}}]}\n' > fillers.yaml; perihom generate fillers.yaml -q -o one > /dev/null; ls one
 > correlation.png
 > fillers.png
+> microstructure.h5
+> microstructure.xdmf
 > phases.h5
 > phases.npy
 > phases.png
