@@ -18,7 +18,7 @@ static void unit_cost(const ph_run *r, double *doubles, double *ns)
 {
     int nd = ph_displacements(r->result->grid.kinematics);
     bool cells = !r->family || r->params.smallest;
-    *doubles = cells ? 8.2 * nd + 2.0 : 8.2 * nd + 2.0 * nd + 7.0;
+    *doubles = cells ? 7.2 * nd + 1.0 : 8.2 * nd + 5.0;
     *ns = (cells ? 20.0 : 30.0) * nd;
     if (r->setting.fixed) *ns *= cells ? 1.3 : 2.5;
 }

@@ -13,7 +13,8 @@ typedef struct fft_cg {
     ph_green green;
     ph_space space;
     double *x, *r, *p, *q;
-    double *hat; /* held nodes: [nd][modes] complex */
+    bool shares_q; /* q is the operator's */
+    double *hat;   /* held nodes: [nd][modes] complex */
 } fft_cg;
 
 static void apply_hat(void *self, const double *p, double *q)
@@ -59,7 +60,7 @@ void ph_i_fft_cg_free(void **state)
     ph_i_doubles_free(s->meter, &s->x, n);
     ph_i_doubles_free(s->meter, &s->r, n);
     ph_i_doubles_free(s->meter, &s->p, n);
-    ph_i_doubles_free(s->meter, &s->q, n);
+    if (!s->shares_q) ph_i_doubles_free(s->meter, &s->q, n);
     ph_i_doubles_free(s->meter, &s->hat, (size_t)(2 * s->op->layout.nd * s->op->modes));
     ph_i_green_clear(&s->green, s->meter);
     ph_i_space_clear(&s->space);
@@ -84,7 +85,12 @@ ph_status ph_i_fft_cg_init(const ph_system *system, void **state, ph_error *err)
     PH_DOUBLES(s->x, s->meter, n, "the solution");
     PH_DOUBLES(s->r, s->meter, n, "the residual");
     PH_DOUBLES(s->p, s->meter, n, "the direction");
-    PH_DOUBLES(s->q, s->meter, n, "the product");
+    /* The operator's transformed field is free while the iteration runs, and as large. */
+    s->shares_q = !s->fixed && s->op->hat;
+    if (s->shares_q)
+        s->q = s->op->hat;
+    else
+        PH_DOUBLES(s->q, s->meter, n, "the product");
     if (s->fixed) PH_TRY(ph_i_operator_in_space(s->op, err));
     if (s->fixed)
         PH_DOUBLES(s->hat, s->meter, (size_t)(2 * s->op->layout.nd * s->op->modes),
