@@ -68,7 +68,9 @@ static ptrdiff_t march(const ph_microstructure *m, int matrix, const double o[3]
     const ph_grid *g = &m->grid;
     double from, to;
     if (!enter_box(g->size, o, d, &from, &to)) return -1;
-    for (double t = from + 1e-6 * step; t < to; t += step) {
+    ptrdiff_t steps = (ptrdiff_t)ceil((to - from) / step);
+    for (ptrdiff_t s = 0; s < steps; s++) {
+        double t = from + (1e-6 + (double)s) * step;
         ptrdiff_t i[3];
         for (int a = 0; a < 3; a++) {
             double x = floor((o[a] + t * d[a]) / g->h[a]);

@@ -24,7 +24,7 @@ double ph_bond_poisson(ph_kinematics kin)
 }
 
 /* C1111 / E of the classical medium: 9/8 in plane stress, 6/5 else. */
-static double classical_C1111(ph_kinematics kin)
+static double classical_c1111(ph_kinematics kin)
 {
     return kin == PH_PLANE_STRESS ? 9.0 / 8.0 : 6.0 / 5.0;
 }
@@ -155,7 +155,7 @@ static ph_status calibrate(ph_family *f, const recipe *r, ph_calibration rule,
     double E = 0.0, C1111 = 0.0, factor = 1.0;
     PH_TRY(axis_moduli(&c, r->dimension, &E, &C1111, err));
     if (rule == PH_CALIBRATE_LATTICE) factor = classical_modulus(kin) / E;
-    if (rule == PH_CALIBRATE_GAMMA) factor = classical_C1111(kin) / C1111;
+    if (rule == PH_CALIBRATE_GAMMA) factor = classical_c1111(kin) / C1111;
     for (ptrdiff_t b = 0; b < f->count; b++)
         f->w[b] *= factor;
     if (!lattice) return PH_OK;
@@ -213,7 +213,7 @@ ph_status ph_bond_family_new(const ph_grid *grid, double horizon,
     /* C1111 = 1/2 c A delta^(d+1) moment, A = integral of cos^4 over the directions. */
     double A = dim == 2 ? 3.0 * pi / 4.0 : 4.0 * pi / 5.0;
     double constant =
-        2.0 * classical_C1111(grid->kinematics) / (A * profile->moment(dim, r.power));
+        2.0 * classical_c1111(grid->kinematics) / (A * profile->moment(dim, r.power));
     r.scale = constant / pow(horizon, dim + 1) * grid->h[0] * grid->h[1] *
               (dim == 3 ? grid->h[2] : 1.0);
     PH_ALLOC(f, 1, "a family");
