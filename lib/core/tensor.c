@@ -2,6 +2,7 @@
 #include <perihom/tensor.h>
 
 #include "core/check.h"
+#include "core/jacobi.h"
 
 #include <float.h>
 #include <math.h>
@@ -117,27 +118,6 @@ out:
     return st;
 }
 
-/* One Jacobi rotation that zeroes a[p][q]. */
-static void jacobi_rotate(double a[6][6], int n, int p, int q)
-{
-    double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    double t = (theta >= 0 ? 1.0 : -1.0) / (fabs(theta) + hypot(theta, 1.0));
-    double c = 1.0 / hypot(t, 1.0), s = t * c;
-    for (int k = 0; k < n; k++) {
-        double x = a[k][p], y = a[k][q];
-        a[k][p] = c * x - s * y;
-        a[k][q] = s * x + c * y;
-    }
-    for (int k = 0; k < n; k++) {
-        double x = a[p][k], y = a[q][k];
-        a[p][k] = c * x - s * y;
-        a[q][k] = s * x + c * y;
-    }
-    a[p][q] = a[q][p] = 0.0;
-}
-
-/* Cyclic Jacobi: needs no memory, cannot fail, and finds small eigenvalues to relative
- * accuracy; a dozen sweeps is far more than 6 x 6 needs. */
 void ph_sym4_eigenvalues(const ph_sym4 *c, double *smallest, double *largest)
 {
     const int n = c->n;
@@ -145,10 +125,7 @@ void ph_sym4_eigenvalues(const ph_sym4 *c, double *smallest, double *largest)
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             a[i][j] = 0.5 * (c->m[i][j] + c->m[j][i]);
-    for (int sweep = 0; sweep < 12; sweep++)
-        for (int p = 0; p < n; p++)
-            for (int q = p + 1; q < n; q++)
-                if (a[p][q] != 0.0 && isfinite(a[p][q])) jacobi_rotate(a, n, p, q);
+    ph_i_jacobi(n, 6, &a[0][0], NULL);
     double lo = a[0][0], hi = a[0][0];
     for (int i = 1; i < n; i++) {
         lo = fmin(lo, a[i][i]);

@@ -29,7 +29,7 @@ static double hourglass_coefficient(const ph_layout *l, double alpha, double sof
 /* Nanoseconds per cell: a bond of the stencil (strain and divergence), a transform, the
  * products in Fourier space. Measured, see docs/performance.md. Fixed numbers, so that the
  * choice, and with it every bit of the result, does not depend on the load of the machine. */
-static const double ns_bond = 0.39, ns_transform = 4.5, ns_product = 1.3;
+static const double ns_bond = 0.45, ns_transform = 4.5, ns_product = 1.3;
 
 static ph_route choose_route(const ph_layout *l, const ph_operator_params *p)
 {

@@ -2,6 +2,7 @@
 /* Springs set up: the products that make the moduli, the pairs that they miss, the kernel. */
 #include "model/springs.h"
 
+#include "core/jacobi.h"
 #include "model/convolution.h"
 
 #include <math.h>
@@ -63,37 +64,17 @@ static int one_product(const ph_bond_classes *c, const census *n, double *lambda
     return 1;
 }
 
-/* Eigenvalues and vectors of the symmetric table of the used classes, by Jacobi. */
+/* Eigenvalues and vectors of the symmetric table of the used classes. */
 static int eigen_products(const ph_bond_classes *c, const census *n, double *lambda,
                           double *v)
 {
     enum { M = PH_SPRING_TERMS };
     int m = n->nused, terms = 0;
     double a[M][M] = {{0}}, q[M][M] = {{0}};
-    for (int i = 0; i < m; i++) {
-        q[i][i] = 1.0;
+    for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++)
             a[i][j] = c->pair[(ptrdiff_t)n->used[i] * c->count + n->used[j]];
-    }
-    for (int sweep = 0; sweep < 60; sweep++)
-        for (int i = 0; i < m; i++)
-            for (int j = i + 1; j < m; j++) {
-                if (fabs(a[i][j]) <= 1e-300) continue;
-                double theta = 0.5 * (a[j][j] - a[i][i]) / a[i][j];
-                double t =
-                    copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
-                double cs = 1.0 / sqrt(t * t + 1.0), sn = t * cs;
-                for (int k = 0; k < m; k++) {
-                    double x = a[k][i], y = a[k][j];
-                    a[k][i] = cs * x - sn * y, a[k][j] = sn * x + cs * y;
-                }
-                for (int k = 0; k < m; k++) {
-                    double x = a[i][k], y = a[j][k];
-                    a[i][k] = cs * x - sn * y, a[j][k] = sn * x + cs * y;
-                    x = q[k][i], y = q[k][j];
-                    q[k][i] = cs * x - sn * y, q[k][j] = sn * x + cs * y;
-                }
-            }
+    ph_i_jacobi(m, M, &a[0][0], &q[0][0]);
     for (int r = 0; r < m; r++) {
         if (fabs(a[r][r]) <= same_modulus * n->stiffest) continue;
         lambda[terms] = a[r][r];

@@ -117,7 +117,7 @@ typedef struct ph_result {
     ph_stabilisation stabilisation;
     double stabilisation_value;
     ph_interface interface;
-    const char *route; /* "cells", "stencil", "convolution", "assembled", "analytic" */
+    const char *route; /* "cells", "stencil", "convolution", "bonds", "analytic" */
 
     int nloads;
     int iterations[6];

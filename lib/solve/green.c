@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "solve/green.h"
 
+#include "core/jacobi.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -13,29 +15,11 @@ static int packed_size(int nd)
     return nd * (nd + 1) / 2;
 }
 
-/* Pseudo-inverse of a symmetric matrix by Jacobi rotations. a: n x n, destroyed. */
+/* Pseudo-inverse of a symmetric matrix. a: n x n, destroyed. */
 static void pseudo_inverse(int n, double a[3][3], double least, double inv[3][3])
 {
-    double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int sweep = 0; sweep < 30; sweep++)
-        for (int p = 0; p < n; p++)
-            for (int q = p + 1; q < n; q++) {
-                if (fabs(a[p][q]) <= 1e-300) continue;
-                double theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
-                double t =
-                    copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
-                double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
-                for (int k = 0; k < n; k++) {
-                    double x = a[k][p], y = a[k][q];
-                    a[k][p] = c * x - s * y, a[k][q] = s * x + c * y;
-                }
-                for (int k = 0; k < n; k++) {
-                    double x = a[p][k], y = a[q][k];
-                    a[p][k] = c * x - s * y, a[q][k] = s * x + c * y;
-                    x = v[k][p], y = v[k][q];
-                    v[k][p] = c * x - s * y, v[k][q] = s * x + c * y;
-                }
-            }
+    double v[3][3];
+    ph_i_jacobi(n, 3, &a[0][0], &v[0][0]);
     double top = least;
     for (int i = 0; i < n; i++)
         top = fmax(top, fabs(a[i][i]));
