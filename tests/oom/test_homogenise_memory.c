@@ -48,7 +48,7 @@ static const way ways[] = {
      "cells"},
     {"stencil (P)",
      {5, 5, 1},
-     {.points = PH_POINTS_NODES, .horizon = 1.0, P},
+     {.points = PH_POINTS_NODES, .horizon = 1.0, .weights = "none", P},
      "fft_cg",
      "periodic",
      "stencil"},
