@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/case_internal.h"
-#include "io/text.h"
+#include "io/read_file.h"
 
 #include <string.h>
 
@@ -147,7 +147,7 @@ ph_status ph_case_read(const char *path, const char *const *sets, size_t nsets,
     char *text = NULL;
     size_t length = 0;
     *out = NULL;
-    PH_TRY(ph_i_read_file(path, MAX_FILE, "a case file", &text, &length, err));
+    PH_TRY(ph_i_read_file(path, MAX_FILE, "case file", &text, &length, err));
     PH_TRY(ph_case_parse(text, length, path, sets, nsets, out, issues, err));
 out:
     free(text);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <perihom/table.h>
 
+#include "io/read_file.h"
 #include "io/text.h"
 
 #include <math.h>
@@ -350,7 +351,7 @@ ph_status ph_table_read(const char *path, ph_table **out, ph_error *err)
     char *text = NULL;
     size_t length = 0;
     PH_CHECK(path && path[0], PH_EINVAL, "no file name of a table");
-    PH_TRY(ph_i_read_file(path, MOST_BYTES, "a table", &text, &length, err));
+    PH_TRY(ph_i_read_file(path, MOST_BYTES, "table", &text, &length, err));
     PH_TRY(ph_table_parse(text, length, path, out, err));
 out:
     free(text);

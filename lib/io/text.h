@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Text of files: all of one in memory, a growing one, numbers whatever the locale, UTF-8. */
+/* Text: a growing one, numbers whatever the locale, UTF-8. */
 #ifndef PH_IO_TEXT_H
 #define PH_IO_TEXT_H
 
 #include "core/check.h"
 
 #include <stdint.h>
-
-/** The whole file, malloc'd, no zero behind it. @param[in] what  "a case file", for messages
- *  @return PH_OK; PH_EIO; PH_EINVAL where it has more than `most` bytes; PH_ENOMEM */
-ph_status ph_i_read_file(const char *path, size_t most, const char *what, char **text,
-                         size_t *length, ph_error *err);
 
 /** The whole text as a decimal number, or YAML's .nan and .inf (both give NaN). */
 bool ph_i_text_to_number(const char *text, double *out);
