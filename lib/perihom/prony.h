@@ -90,14 +90,14 @@ PH_API ph_sym4 ph_creep_at_time(const ph_creep *creep, double t);
 PH_API ph_sym4 ph_creep_carson(const ph_creep *creep, double s);
 
 /** Prony series of one modulus: M(t) = infinity + sum_m modulus_m exp(-t / time_m). */
-typedef struct ph_series_term {
+typedef struct ph_modulus_term {
     double time, modulus;
-} ph_series_term;
-typedef struct ph_series {
+} ph_modulus_term;
+typedef struct ph_modulus {
     double infinity; /* [stress, >= 0] */
     int nterms;
-    const ph_series_term *term; /* borrowed; any order, times distinct */
-} ph_series;
+    const ph_modulus_term *term; /* borrowed; any order, times distinct */
+} ph_modulus;
 
 #ifdef __cplusplus
 }

@@ -111,11 +111,11 @@ static void test_closed_forms(void **state)
 {
     (void)state;
     ph_error err = PH_ERROR_INIT;
-    static const ph_series_term one[] = {{5, 2}};
-    const ph_series maxwell = {0, 1, one}, solid = {0.5, 1, one};
+    static const ph_modulus_term one[] = {{5, 2}};
+    const ph_modulus maxwell = {0, 1, one}, solid = {0.5, 1, one};
     ph_material m;
     ph_creep *creep = NULL;
-    CHECK_OK(ph_material_viscoelastic_E("x", &maxwell, 0.3, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young("x", &maxwell, 0.3, &m, &err));
     CHECK_OK(ph_prony_creep(m.relaxation, &creep, &err));
     CHECK(creep->nterms == 0);
     CHECK_REL(creep->instantaneous.m[0][0], 0.5, 1e-14);
@@ -124,7 +124,7 @@ static void test_closed_forms(void **state)
     CHECK_REL(ph_creep_at_time(creep, 30).m[0][0], 0.5 + 3, 1e-14);
     ph_creep_free(&creep);
     ph_material_clear(&m);
-    CHECK_OK(ph_material_viscoelastic_E("x", &solid, 0.3, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young("x", &solid, 0.3, &m, &err));
     CHECK_OK(ph_prony_creep(m.relaxation, &creep, &err));
     CHECK(creep->nterms == 1 && ph_sym4_norm(&creep->fluidity) == 0);
     CHECK_REL(creep->term[0].time, 25, 1e-13);
@@ -140,8 +140,8 @@ static void test_partly_fluid(void **state)
 {
     (void)state;
     ph_error err = PH_ERROR_INIT;
-    static const ph_series_term term[] = {{1, 2}, {100, 0.1}};
-    const ph_series K = {4, 0, NULL}, G = {0, 2, term};
+    static const ph_modulus_term term[] = {{1, 2}, {100, 0.1}};
+    const ph_modulus K = {4, 0, NULL}, G = {0, 2, term};
     ph_material m;
     CHECK_OK(ph_material_viscoelastic_bulk_shear("melt", &K, &G, &m, &err));
     ph_creep *creep = NULL;
@@ -189,12 +189,12 @@ static void test_reductions(void **state)
 {
     (void)state;
     ph_error err = PH_ERROR_INIT;
-    static const ph_series_term two[] = {{10, 17}, {0.1, 5}};
-    const ph_series E = {3, 2, two};
+    static const ph_modulus_term two[] = {{10, 17}, {0.1, 5}};
+    const ph_modulus E = {3, 2, two};
     static const ph_kinematics kin[] = {PH_SPACE, PH_GENERALISED_STRAIN, PH_PLANE_STRAIN,
                                         PH_PLANE_STRESS};
     ph_material m;
-    CHECK_OK(ph_material_viscoelastic_E("x", &E, 0.38, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young("x", &E, 0.38, &m, &err));
     for (int k = 0; k < 4; k++) {
         ph_prony *p = NULL;
         CHECK_OK(ph_prony_reduce(m.relaxation, kin[k], &p, &err));
