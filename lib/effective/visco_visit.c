@@ -228,7 +228,7 @@ static ph_status take_field(ph_visco *v, const visit *now, int a, ph_error *err)
     size_t n = ph_i_visco_size(v), hidden = ph_i_visco_hidden(v);
     double stress[6], strain[6], scale = 1.0 / sqrt(now->captured.m[a][a]);
     ph_cell_energy e;
-    ph_basis_field *b;
+    ph_basis_field *b = NULL;
     PH_TRY(new_field(v, &b, err));
     memcpy(b->u, v->d[a], sizeof *b->u * n);
     if (r->constraint->by_stress) { /* its mean strain is no part of the fluctuation */
