@@ -117,10 +117,10 @@ static ph_material relaxing(const char *name, double rest, double modulus, doubl
                             double nu)
 {
     ph_error err = PH_ERROR_INIT;
-    ph_series_term term = {time, modulus};
-    ph_series E = {rest, 1, &term};
+    ph_modulus_term term = {time, modulus};
+    ph_modulus E = {rest, 1, &term};
     ph_material m = {0};
-    CHECK_OK(ph_material_viscoelastic_E(name, &E, nu, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young(name, &E, nu, &m, &err));
     return m;
 }
 
