@@ -7,7 +7,7 @@
  *   2 W / V = sum_layers share e_p : sum_q phi_q(s) X_qp : e_p,
  *
  * which the laminate's own stiffness, a quotient of moduli, is not.
- * Tested: tests/unit/test_visco_layers.c */
+ * Tested: tests/cross/test_sites.c */
 #ifndef PH_EFFECTIVE_VISCO_LAYERS_H
 #define PH_EFFECTIVE_VISCO_LAYERS_H
 

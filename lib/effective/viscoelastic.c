@@ -10,7 +10,7 @@
 
 const ph_relaxation_route ph_relaxation_routes[] = {
     {{"reduced", "elastic fields at a few Carson variables, projection, exact poles",
-      "", "every constraint and model"},
+      "Hashin1965a", "every constraint and model"},
      ph_i_relaxation_reduced},
     {{"carson", "an elastic problem at every Carson variable asked for", "Hashin1965",
       "every constraint and model"},
