@@ -90,12 +90,12 @@ static ph_status export_result(const export_options *o, ph_error *err)
     ph_effective *effective = NULL;
     char *text = NULL;
     double distance = 0.0;
-    const ph_card_params params = {
-        .name = o->name,
-        .id = o->id,
-        .symmetry = (ph_symmetry)find_word(o->symmetry, classes, 4),
-        .state = (ph_card_state)find_word(o->state, states, 3),
-        .nearest = o->nearest};
+    const ph_card_params params = {.name = o->name,
+                                   .id = o->id,
+                                   .symmetry =
+                                       (ph_symmetry)find_word(o->symmetry, classes, 4),
+                                   .state = (ph_card_state)find_word(o->state, states, 3),
+                                   .nearest = o->nearest};
     ph_status st = ph_effective_read(o->operands.item[0], &effective, err);
     if (st == PH_OK) st = ph_card_write(effective, o->to, &params, &text, &distance, err);
     if (st == PH_OK && o->output)
