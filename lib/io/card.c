@@ -201,8 +201,8 @@ ph_status ph_card_write(const ph_effective *effective, const char *format,
     static const ph_card_params defaults = {0};
     ph_status st = PH_OK;
     ph_i_card card = {0};
-    ph_sym4 stiffness;
-    const ph_prony *series;
+    ph_sym4 stiffness = {0};
+    const ph_prony *series = NULL;
     char *buffer = NULL;
     size_t size = 0;
     FILE *to = NULL;
