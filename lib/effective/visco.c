@@ -189,7 +189,8 @@ static ph_status without_equations(ph_visco *v, bool *done, ph_error *err)
         const char *name = r->constraint->info.name;
         ph_i_note(r->result, "solver: none (%s)", name);
         r->result->model = "none";
-        PH_TRY(ph_i_visco_lumped(v, strcmp(name, "voigt") == 0, r->result->fractions, err));
+        PH_TRY(
+            ph_i_visco_lumped(v, strcmp(name, "voigt") == 0, r->result->fractions, err));
         *done = true;
         return PH_OK;
     }
@@ -218,7 +219,8 @@ static ph_status with_equations(ph_visco *v, ph_error *err)
     v->softness = r->map->softest = softness_of(&v->phase[v->soft]);
     PH_TRY(ph_i_run_build(r, err));
     PH_TRY(ph_i_operator_in_space(r->op, err));
-    PH_TRY(ph_i_layers_init(&v->layers, micro, &v->split, r->map, r->setting.region, err));
+    PH_TRY(
+        ph_i_layers_init(&v->layers, micro, &v->split, r->map, r->setting.region, err));
     PH_TRY(ph_i_sites_init(&v->sites, r->op, v->layers.count, v->layers.cell, err));
     PH_TRY(reduce_shapes(v, err));
     PH_TRY(work_fields(v, err));

@@ -3,9 +3,8 @@
  * layer by layer from strains that meet at the interface: the laminate's own stiffness is
  * the other route. Every kinematics, route and stabilisation without (S). */
 #include "check.h"
-#include "random_cases.h"
-
 #include "effective/visco_layers.h"
+#include "random_cases.h"
 
 /* Sums of a few thousand products; a laminate is inverted in both ways. */
 static const double round_off = 1e-11;
@@ -16,9 +15,12 @@ typedef struct shape {
 } shape;
 
 static const shape shapes[] = {
-    {PH_PLANE_STRAIN, {9, 8, 1}},       {PH_PLANE_STRESS, {7, 10, 1}},
-    {PH_GENERALISED_STRAIN, {8, 7, 1}}, {PH_SPACE, {6, 5, 7}},
-    {PH_SPACE, {6, 1, 8}},              {PH_GENERALISED_STRAIN, {9, 1, 1}},
+    {PH_PLANE_STRAIN, {9, 8, 1}},
+    {PH_PLANE_STRESS, {7, 10, 1}},
+    {PH_GENERALISED_STRAIN, {8, 7, 1}},
+    {PH_SPACE, {6, 5, 7}},
+    {PH_SPACE, {6, 1, 8}},
+    {PH_GENERALISED_STRAIN, {9, 1, 1}},
 };
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
@@ -67,7 +69,8 @@ static void compare(random_case *c, ph_route route, uint64_t *seed)
     for (int i = 0; i < 6; i++)
         macro[i] = check_uniform(seed, -1, 1);
     c->params.route = route;
-    CHECK_OK(ph_i_operator_new(&c->micro->grid, c->map, &c->params, &c->meter, &op, &err));
+    CHECK_OK(
+        ph_i_operator_new(&c->micro->grid, c->map, &c->params, &c->meter, &op, &err));
     CHECK_OK(ph_i_split_new(c->micro->nmaterials, c->micro->materials, &split, &err));
     CHECK_OK(ph_i_layers_init(&layers, c->micro, &split, c->map, NULL, &err));
     CHECK_OK(ph_i_sites_init(&sites, op, layers.count, layers.cell, &err));
@@ -78,7 +81,8 @@ static void compare(random_case *c, ph_route route, uint64_t *seed)
     CHECK(layers.count == c->micro->ncuts);
     double parts = whole.mean + whole.modes + layered(c, &layers, &sites, u, macro);
     CHECK_REL(parts, all.mean + all.modes, round_off);
-    CHECK(whole.mean + whole.modes < 0.99 * (all.mean + all.modes)); /* both have a part */
+    CHECK(whole.mean + whole.modes <
+          0.99 * (all.mean + all.modes)); /* both have a part */
     CHECK_OK(ph_i_stiffness_map_set(c->map, c->micro, reduced, true, &err));
     free(u);
     ph_i_sites_clear(&sites);

@@ -2,9 +2,8 @@
 /* The split of phases into functions, and the poles of reduced models made of random Gram
  * matrices. */
 #include "check.h"
-#include "relaxing.h"
-
 #include "effective/visco_model.h"
+#include "relaxing.h"
 
 enum { NS = 3, NB = 7, TERMS = 4 };
 
@@ -12,7 +11,8 @@ static void phases_are_their_functions(void **state)
 {
     (void)state;
     uint64_t seed = check_seed();
-    static const int functions[] = {1, 2, 3}; /* const; E: one more; bulk and shear: two */
+    static const int functions[] = {1, 2,
+                                    3}; /* const; E: one more; bulk and shear: two */
     for (int kind = 0; kind < 4; kind++) {
         ph_error err = PH_ERROR_INIT;
         ph_material m[2] = {random_phase("a", &seed, kind, 2.0, 0.1, 12.0),
