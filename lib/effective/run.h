@@ -23,10 +23,10 @@ typedef struct ph_run {
     ph_system system;
     const ph_solver_method *solver;
     void *state;
-    double *load, *u;                     /* the operator's work fields, see solver.h */
-    double contrast;                      /* `auto` counts on at least this, of phases that
+    double *load, *u; /* the operator's work fields, see solver.h */
+    double contrast;  /* `auto` counts on at least this, of phases that
                                            * relax */
-    ph_sym4 columns;                      /* C or, by_stress, the compliance */
+    ph_sym4 columns;  /* C or, by_stress, the compliance */
     double *kept[6], *residual, *product; /* of the second-order columns, or NULL */
     ph_sym4 second;                       /* u_a . r_b per averaged cell, a <= b */
     ph_result *result;
