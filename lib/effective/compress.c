@@ -7,8 +7,9 @@
  *     sum_k w_k^2 | sum_j X_j exp(-t_k / T_j) - Y(t_k) |^2,    w = 1 / (size of C(t_k))
  *
  * a convex problem: the unconstrained solution where it is admissible, else block coordinate
- * descent, in which each block is a projection on the cone. The times are moved one by one
- * on a logarithmic scale while that helps. A last congruence makes the X_j add up to 1. */
+ * descent, in which each block is a projection on the cone. A last congruence makes the X_j
+ * add up to 1. The times come from the same problem for the trace of Y, a scalar with
+ * coefficients >= 0: they are moved one by one on a logarithmic scale while that helps. */
 #include <perihom/relaxation.h>
 
 #include "core/check.h"
@@ -26,13 +27,15 @@ typedef struct fit {
     double inverse[6][6]; /* F^+, rows */
     double lo, hi;        /* log of the times that matter */
     double t[SAMPLES], w2[SAMPLES];
-    double *Y; /* [SAMPLES][TENSOR] */
-    double norm2;
+    double *Y;         /* [SAMPLES][TENSOR] */
+    double y[SAMPLES]; /* its trace */
+    double norm2;      /* of y */
     int nterms;
-    double *u;            /* [nterms] log times, the state of the search */
-    double *e;            /* [nterms][SAMPLES] */
-    double *G, *L;        /* [nterms^2] */
-    double *B, *X, *best; /* [nterms][TENSOR] */
+    double *u;     /* [nterms] log times, the state of the search */
+    double *e;     /* [nterms][SAMPLES] */
+    double *G, *L; /* [nterms^2] */
+    double *B, *X; /* [nterms][TENSOR] */
+    double *b;     /* [nterms] */
 } fit;
 
 static void fit_free(fit *f)
@@ -44,7 +47,7 @@ static void fit_free(fit *f)
     free(f->L);
     free(f->B);
     free(f->X);
-    free(f->best);
+    free(f->b);
 }
 
 /* y = a c a^T, rows of a are `rows` */
@@ -120,33 +123,22 @@ static ph_status sample(fit *f, const ph_prony *p, ph_error *err)
         congruence(f->r, n, f->inverse, y.m, scaled);
         memcpy(&f->Y[k * TENSOR], scaled, sizeof scaled);
         f->w2[k] = (k ? 1 : 10) / (size * size);
-        for (int i = 0; i < TENSOR; i++)
-            f->norm2 += f->w2[k] * f->Y[k * TENSOR + i] * f->Y[k * TENSOR + i];
+        f->y[k] = trace(f->r, &scaled[0][0]);
+        f->norm2 += f->w2[k] * f->y[k] * f->y[k];
     }
 out:
     return st;
 }
 
-/* G and B of the times exp(f->u). */
-static void normal_equations(fit *f)
+/* B of the times exp(f->u). */
+static void right_hand_side(fit *f)
 {
-    const int N = f->nterms;
-    memset(f->B, 0, (size_t)N * TENSOR * sizeof *f->B);
-    for (int j = 0; j < N; j++)
-        for (int k = 0; k < SAMPLES; k++)
-            f->e[j * SAMPLES + k] = exp(-f->t[k] / exp(f->u[j]));
-    for (int j = 0; j < N; j++) {
-        const double *e = &f->e[j * SAMPLES];
-        for (int i = 0; i <= j; i++) {
-            double sum = 0;
-            for (int k = 0; k < SAMPLES; k++)
-                sum += f->w2[k] * e[k] * f->e[i * SAMPLES + k];
-            f->G[j * N + i] = f->G[i * N + j] = sum;
-        }
+    memset(f->B, 0, (size_t)f->nterms * TENSOR * sizeof *f->B);
+    for (int j = 0; j < f->nterms; j++)
         for (int k = 0; k < SAMPLES; k++)
             for (int i = 0; i < TENSOR; i++)
-                f->B[j * TENSOR + i] += f->w2[k] * e[k] * f->Y[k * TENSOR + i];
-    }
+                f->B[j * TENSOR + i] +=
+                    f->w2[k] * f->e[j * SAMPLES + k] * f->Y[k * TENSOR + i];
 }
 
 /* Nearest positive semidefinite tensor; true where it was one. */
@@ -220,34 +212,71 @@ static void descend(fit *f, int sweeps)
     }
 }
 
-/* The objective at the times f->u, and X. */
-static double evaluate(fit *f, int sweeps)
+/* X at the times f->u. */
+static void fit_tensors(fit *f)
+{
+    enum { SWEEPS = 400 };
+    bool good = true;
+    solve_free(f);
+    for (int j = 0; j < f->nterms; j++)
+        good &= project(f->r, &f->X[j * TENSOR]);
+    if (!good) descend(f, SWEEPS);
+}
+
+/* exp(-t / T_j) and what of G and of the trace's right-hand side hangs on it. */
+static void place(fit *f, int j, double u)
 {
     const int N = f->nterms;
-    bool good = true;
-    normal_equations(f);
-    solve_free(f);
-    for (int j = 0; j < N; j++)
-        good &= project(f->r, &f->X[j * TENSOR]);
-    if (!good) descend(f, sweeps);
-    double sum = f->norm2;
-    for (int j = 0; j < N; j++)
-        for (int c = 0; c < TENSOR; c++) {
-            double x = f->X[j * TENSOR + c], gx = 0;
+    double *e = &f->e[j * SAMPLES], rate = exp(-u);
+    f->u[j] = u;
+    f->b[j] = 0;
+    for (int k = 0; k < SAMPLES; k++) {
+        e[k] = exp(-f->t[k] * rate);
+        f->b[j] += f->w2[k] * e[k] * f->y[k];
+    }
+    for (int i = 0; i < N; i++) {
+        double sum = 0;
+        for (int k = 0; k < SAMPLES; k++)
+            sum += f->w2[k] * e[k] * f->e[i * SAMPLES + k];
+        f->G[j * N + i] = f->G[i * N + j] = sum;
+    }
+}
+
+/* Least squares of the trace with coefficients x >= 0, by coordinates. */
+static double trace_objective(const fit *f, double *x)
+{
+    enum { SWEEPS = 200 };
+    const int N = f->nterms;
+    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+        double moved = 0;
+        for (int j = 0; j < N; j++) {
+            double g = f->b[j];
             for (int i = 0; i < N; i++)
-                gx += f->G[j * N + i] * f->X[i * TENSOR + c];
-            sum += x * (gx - 2 * f->B[j * TENSOR + c]);
+                g -= f->G[j * N + i] * x[i];
+            double now = fmax(0, x[j] + g / f->G[j * N + j]);
+            moved = fmax(moved, fabs(now - x[j]));
+            x[j] = now;
         }
+        if (moved < 1e-9 * f->r) break;
+    }
+    double sum = f->norm2;
+    for (int j = 0; j < N; j++) {
+        double gx = 0;
+        for (int i = 0; i < N; i++)
+            gx += f->G[j * N + i] * x[i];
+        sum += x[j] * (gx - 2 * f->b[j]);
+    }
     return sum;
 }
 
 /* Moves one log time at a time by +-step while the objective falls; halves the step. */
 static void search(fit *f)
 {
-    enum { ROUNDS = 40, SWEEPS = 30 };
+    enum { ROUNDS = 60 };
     const int N = f->nterms;
+    double *x = f->X, *tried = f->X + N; /* not in use yet */
     double step = N > 1 ? (f->hi - f->lo) / (N - 1) / 3 : 0.5;
-    double least = evaluate(f, SWEEPS);
+    double least = trace_objective(f, x);
     for (int round = 0; round < ROUNDS && step > 0.01; round++) {
         bool better = false;
         for (int j = 0; j < N; j++)
@@ -256,16 +285,18 @@ static void search(fit *f)
                 bool apart = (j == 0 || now > f->u[j - 1] + 0.05) &&
                              (j == N - 1 || now < f->u[j + 1] - 0.05);
                 if (!apart) continue;
-                f->u[j] = now;
-                double value = evaluate(f, SWEEPS);
-                if (value < least * (1 - 1e-6))
+                place(f, j, now);
+                memcpy(tried, x, (size_t)N * sizeof *x);
+                double value = trace_objective(f, tried);
+                if (value < least * (1 - 1e-6)) {
                     least = value, better = true;
-                else
-                    f->u[j] = old;
+                    memcpy(x, tried, (size_t)N * sizeof *x);
+                } else {
+                    place(f, j, old);
+                }
             }
         if (!better) step /= 2;
     }
-    evaluate(f, 2000);
 }
 
 static ph_status allocate(fit *f, int nterms, ph_error *err)
@@ -276,12 +307,15 @@ static ph_status allocate(fit *f, int nterms, ph_error *err)
     PH_ALLOC(f->u, N, "a compressed series");
     PH_ALLOC(f->e, N * SAMPLES, "a compressed series");
     PH_ALLOC(f->G, N * N, "a compressed series");
+    PH_ALLOC(f->b, N, "a compressed series");
     PH_ALLOC(f->L, N * N, "a compressed series");
     PH_ALLOC(f->B, N * TENSOR, "a compressed series");
     PH_ALLOC(f->X, N * TENSOR, "a compressed series");
     for (int j = 0; j < nterms; j++)
         f->u[j] = nterms == 1 ? (f->lo + f->hi) / 2
                               : f->lo + (f->hi - f->lo) * j / (nterms - 1);
+    for (int j = 0; j < nterms; j++)
+        place(f, j, f->u[j]);
 out:
     return st;
 }
@@ -332,6 +366,8 @@ static ph_status compress_to(const ph_prony *p, int nterms, ph_prony **out, doub
     PH_TRY(sample(&f, p, err));
     PH_TRY(allocate(&f, nterms, err));
     search(&f);
+    right_hand_side(&f);
+    fit_tensors(&f);
     PH_TRY(assemble(&f, p, out, err));
     *error = ph_prony_difference(*out, p);
 out:

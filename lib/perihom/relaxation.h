@@ -13,10 +13,9 @@ extern "C" {
 
 /** A named number that relaxes. */
 typedef struct ph_constant {
-    char name
-        [16]; /* "C11" ... Voigt, engineering shear; "E1", "nu12", "G12", "isotropic.E" */
-    bool
-        is_modulus; /* in units of stress, with a storage and a loss part; else a ratio */
+    /* "C11" ... Voigt, engineering shear; "E1", "nu12", "G12", "isotropic.E" */
+    char name[24];
+    bool is_modulus; /* a stress, with storage and loss; else a ratio */
     ph_curve curve;
 } ph_constant;
 

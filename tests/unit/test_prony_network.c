@@ -3,40 +3,9 @@
 #include <perihom/material.h>
 
 #include "check.h"
-#include "tensors.h"
+#include "series.h"
 
 enum { MOST = 40 };
-
-/* a a^T with `rank` columns */
-static ph_sym4 random_semidefinite(uint64_t *seed, int n, int rank)
-{
-    ph_sym4 c = {.n = n};
-    for (int k = 0; k < rank; k++) {
-        double a[6];
-        for (int i = 0; i < n; i++)
-            a[i] = check_uniform(seed, -1, 1);
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++)
-                c.m[i][j] += a[i] * a[j];
-    }
-    return c;
-}
-
-static ph_prony *random_series(uint64_t *seed, int n, int nterms, double decades,
-                               int rank, double equilibrium)
-{
-    ph_error err = PH_ERROR_INIT;
-    ph_prony_term term[MOST];
-    ph_prony *p = NULL;
-    ph_sym4 e = random_stiffness(seed, n), zero = {.n = n};
-    e = ph_sym4_combine(equilibrium, &e, 0, &zero);
-    for (int m = 0; m < nterms; m++)
-        term[m] = (ph_prony_term){
-            pow(10, decades * (m / (double)nterms - 0.5) + check_uniform(seed, 0, 0.4)),
-            random_semidefinite(seed, n, m == 0 ? n : rank)};
-    CHECK_OK(ph_prony_new(&e, nterms, term, &p, &err));
-    return p;
-}
 
 /* Largest |J(s) C(s) - 1| over the decades of the times and six beyond. */
 static double misfit(const ph_prony *p, const ph_creep *creep, double decades)
