@@ -21,6 +21,8 @@
 #include <perihom/bond.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
+#include <perihom/crack.h>
+#include <perihom/damage.h>
 #include <perihom/distribution.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>

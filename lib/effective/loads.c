@@ -62,6 +62,7 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
     for (int i = 0; i < ns; i++) {
         stress[i] /= n;
         strain[i] /= n;
+        if (r->broken && macro) strain[i] = macro[i]; /* the rest is in the gaps */
         work += stress[i] * strain[i];
         bool by_stress = ph_i_run_by_stress(r, i);
         double wrong = (by_stress ? stress[i] : strain[i]) - unit[i];
@@ -110,7 +111,8 @@ static ph_status keep_residual(ph_run *r, int load, const double *macro, ph_erro
     ph_status st = PH_OK;
     ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
     size_t bytes = sizeof(double) * (size_t)n;
-    PH_DOUBLES(r->kept[load], &r->meter, (size_t)n, "the displacement of a load");
+    if (!r->kept[load])
+        PH_DOUBLES(r->kept[load], &r->meter, (size_t)n, "the displacement of a load");
     memcpy(r->kept[load], r->u, bytes);
     if (!r->residual) {
         PH_DOUBLES(r->residual, &r->meter, (size_t)n, "a residual");
@@ -144,14 +146,16 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
                                                                     : DEFAULT_ITERATIONS,
                            .ctx = r->ctx,
                            .load = number,
-                           .loads = loads};
+                           .loads = loads,
+                           .guessed = r->first[load] != NULL};
+    size_t size = sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells);
     if (macro)
         ph_i_operator_load(r->op, macro, r->load);
     else
         ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
+    if (r->first[load]) memcpy(r->u, r->first[load], size);
     if (load_is_nothing(r, !macro))
-        memset(r->u, 0,
-               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+        memset(r->u, 0, size);
     else
         st = r->solver->solve(r->state, r->load, r->u, &report, err);
     res->iterations[res->nloads] = report.iterations;
@@ -159,12 +163,11 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     if (st != PH_OK && st != PH_ENOCONV) return st;
     if (st == PH_OK && macro && second_order(r))
         PH_TRY(keep_residual(r, load, macro, err));
-    if (r->kept[load])
-        memcpy(r->u, r->kept[load],
-               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+    if (r->first[load]) memcpy(r->first[load], r->u, size);
+    if (r->kept[load]) memcpy(r->u, r->kept[load], size);
     ph_status taken = take_column(r, load, macro, unit, err);
     if (taken != PH_OK) return taken;
-    if (r->problem->keep_fields && st == PH_OK)
+    if (r->keep_fields && st == PH_OK)
         st = ph_i_run_keep_fields(r, load, macro, err);
 out:
     return st;
@@ -180,7 +183,7 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
     if (r->constraint->by_stress) loads = all; /* the compliance is inverted as a whole */
     for (int a = 0; a < r->map->ns; a++)
         count += (loads >> a & 1) != 0;
-    PH_ALLOC(res->fields, count, "fields");
+    if (!res->fields) PH_ALLOC(res->fields, count, "fields");
     r->columns.n = r->map->ns;
     for (int a = 0; a < r->map->ns; a++) {
         if (!((loads >> a) & 1)) continue;

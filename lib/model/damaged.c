@@ -6,42 +6,7 @@
 
 #define R2 0.70710678118654752440 /* 1/sqrt(2): Mandel shear */
 
-/* A pivot of K below this share of its trace is round-off. Two bonds of a lattice that are
- * not parallel span a parallelogram of at least one cell: K of weights of one size has
- * eigenvalue ratios of at least 1/(4 m^4) in the plane, 1/(27 m^6) in space (1e-7 for m = 8),
- * and exactly parallel ones leave some 1e-16. As in the bond lists. */
-static const double singular = 1e-10;
-
 static const int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-
-/* Inverse of a symmetric positive matrix on the active axes; false: singular. */
-static bool invert(const bool active[3], const double K[6], double inverse[6])
-{
-    double a[3][3], r[3][3] = {{0}}, trace = K[0] + K[1] + K[2];
-    memset(inverse, 0, sizeof(double) * 6);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            a[i][j] = K[place[i][j]];
-            r[i][j] = active[i] && i == j ? 1.0 : 0.0;
-        }
-    for (int i = 0; i < 3; i++) {
-        if (!active[i]) continue;
-        double pivot = a[i][i];
-        if (!(pivot > singular * trace)) return false;
-        for (int j = 0; j < 3; j++)
-            a[i][j] /= pivot, r[i][j] /= pivot;
-        for (int k = 0; k < 3; k++) {
-            double f = a[k][i];
-            if (k == i || !active[k]) continue;
-            for (int j = 0; j < 3; j++)
-                a[k][j] -= f * a[i][j], r[k][j] -= f * r[i][j];
-        }
-    }
-    for (int i = 0; i < 3; i++)
-        for (int j = i; j < 3; j++)
-            inverse[place[i][j]] = 0.5 * (r[i][j] + r[j][i]);
-    return true;
-}
 
 /* ---- bonds of a node --------------------------------------------------------------------- */
 
@@ -69,19 +34,6 @@ static inline ptrdiff_t neighbour(const ph_damaged *d, const around *a, ptrdiff_
 static inline bool is_intact(const around *a, ptrdiff_t b)
 {
     return !(a->broken[b / 64] >> (b % 64) & 1);
-}
-
-/* K of the intact bonds, or of all where `broken` is NULL. */
-static void shape_tensor(const ph_damaged *d, const uint64_t *broken, double K[6])
-{
-    const ph_family *f = d->family;
-    memset(K, 0, sizeof(double) * 6);
-    for (ptrdiff_t b = 0; b < f->count; b++) {
-        if (broken && broken[b / 64] >> (b % 64) & 1) continue;
-        for (int r = 0; r < 3; r++)
-            for (int c = r; c < 3; c++)
-                K[place[r][c]] += d->wxi[b][r] * f->xi[b][c];
-    }
 }
 
 bool ph_i_damaged_is_mute(const ph_damaged *d, ptrdiff_t at)
@@ -131,7 +83,6 @@ ph_status ph_i_damaged_new(const ph_layout *layout, const ph_broken *broken, dou
 {
     ph_status st = PH_OK;
     ph_damaged *d = NULL;
-    double K[6];
     *out = NULL;
     PH_ALLOC(d, 1, "damaged nodes");
     d->layout = *layout;
@@ -141,8 +92,7 @@ ph_status ph_i_damaged_new(const ph_layout *layout, const ph_broken *broken, dou
     d->threads = threads > 0 ? threads : 1;
     d->s = s;
     PH_TRY(loops(d, err));
-    shape_tensor(d, NULL, K);
-    PH_CHECK(invert(d->family->active, K, d->whole), PH_ESINGULAR,
+    PH_CHECK(ph_i_broken_shape(broken, -1, d->whole), PH_ESINGULAR,
              "the shape tensor of the family is singular");
     PH_TRY(ph_i_damaged_update(d, err));
     *out = d;
@@ -184,14 +134,10 @@ ph_status ph_i_damaged_update(ph_damaged *d, ph_error *err)
         while (old < d->count && d->node[old] < node[i])
             old++;
         bool known = old < d->count && d->node[old] == node[i];
-        if (known && !br->fresh[i]) {
+        if (known && !br->fresh[i])
             memcpy(inverse + 6 * i, d->inverse + 6 * old, sizeof(double) * 6);
-        } else {
-            double K[6];
-            shape_tensor(d, br->bits + i * br->words, K);
-            if (!invert(d->family->active, K, inverse + 6 * i))
-                memset(inverse + 6 * i, 0, sizeof(double) * 6);
-        }
+        else
+            ph_i_broken_shape(br, i, inverse + 6 * i);
     }
     free(d->node);
     free(d->inverse);

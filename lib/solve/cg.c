@@ -34,12 +34,18 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
     const ph_space *space = s->space;
     size_t bytes = ph_i_space_size(space) * sizeof(double);
     double b2 = ph_i_dot(space, r, r), rz = 0.0;
-    memset(x, 0, bytes);
-    memset(p, 0, bytes);
     rep->iterations = 0;
     rep->residual = b2 > 0.0 ? 1.0 : 0.0;
     if (!isfinite(b2))
         return ph_i_give_up(PH_ESINGULAR, rep, "the load is not finite", err);
+    if (rep->guessed && b2 > 0.0) {
+        s->apply(s->self, x, q);
+        memset(p, 0, bytes);
+        rep->residual = sqrt(ph_i_step(space, 1.0, p, q, p, r) / b2);
+    } else {
+        memset(x, 0, bytes);
+    }
+    memset(p, 0, bytes);
     while (rep->residual > rep->tolerance) {
         if (rep->iterations >= rep->max_iterations)
             return ph_i_give_up(PH_ENOCONV, rep, "not converged", err);

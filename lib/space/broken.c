@@ -229,3 +229,57 @@ double ph_i_broken_damage(const ph_broken *br, ptrdiff_t place)
     }
     return lost / all;
 }
+
+/* ---- shape tensors ----------------------------------------------------------------------- */
+
+/* A pivot of K below this share of its trace is round-off. Two bonds of a lattice that are
+ * not parallel span a parallelogram of at least one cell: K of weights of one size has
+ * eigenvalue ratios of at least 1/(4 m^4) in the plane, 1/(27 m^6) in space (1e-7 for m = 8),
+ * and exactly parallel ones leave some 1e-16. As in the bond lists. */
+static const double singular = 1e-10;
+
+static const int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+
+/* Inverse of a symmetric positive matrix on the active axes; false: singular. */
+static bool invert(const bool active[3], const double K[6], double inverse[6])
+{
+    double a[3][3], r[3][3] = {{0}}, trace = K[0] + K[1] + K[2];
+    memset(inverse, 0, sizeof(double) * 6);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            a[i][j] = K[place[i][j]];
+            r[i][j] = active[i] && i == j ? 1.0 : 0.0;
+        }
+    for (int i = 0; i < 3; i++) {
+        if (!active[i]) continue;
+        double pivot = a[i][i];
+        if (!(pivot > singular * trace)) return false;
+        for (int j = 0; j < 3; j++)
+            a[i][j] /= pivot, r[i][j] /= pivot;
+        for (int k = 0; k < 3; k++) {
+            double f = a[k][i];
+            if (k == i || !active[k]) continue;
+            for (int j = 0; j < 3; j++)
+                a[k][j] -= f * a[i][j], r[k][j] -= f * r[i][j];
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++)
+            inverse[place[i][j]] = 0.5 * (r[i][j] + r[j][i]);
+    return true;
+}
+
+bool ph_i_broken_shape(const ph_broken *br, ptrdiff_t at, double inverse[6])
+{
+    const ph_family *f = br->family;
+    double K[6] = {0};
+    for (ptrdiff_t b = 0; b < f->count; b++) {
+        if (at >= 0 && ph_i_is_broken(br, at, b)) continue;
+        for (int r = 0; r < 3; r++)
+            for (int c = r; c < 3; c++)
+                K[place[r][c]] += f->w[b] * f->xi[b][r] * f->xi[b][c];
+    }
+    if (invert(f->active, K, inverse)) return true;
+    memset(inverse, 0, sizeof(double) * 6);
+    return false;
+}

@@ -44,6 +44,9 @@ ph_status ph_i_broken_settle(ph_broken *broken, ph_error *err);
 void ph_i_broken_seen(ph_broken *broken);
 /** Damage of a node: the weight of its broken bonds over that of all, 0 .. 1. */
 double ph_i_broken_damage(const ph_broken *broken, ptrdiff_t place);
+/** Inverse of the shape tensor of the intact bonds of the node at a place, 00 11 22 12 02 01;
+ *  place -1: of a whole family. False, and zeros, where they do not span space. */
+bool ph_i_broken_shape(const ph_broken *broken, ptrdiff_t place, double inverse[6]);
 /** Node at the other end of a bond. */
 ptrdiff_t ph_i_broken_end(const ph_broken *broken, ptrdiff_t node, ptrdiff_t b);
 
