@@ -41,11 +41,28 @@ static double space_index(const ph_sym4 *c, const ph_sym4 *s)
     return sqrt(a * a + 5.0 * b * b);
 }
 
+/* A stiffness below this share of the largest is what a solver leaves of nothing. */
+static const double nothing = 1e-10;
+
+static bool is_singular(const ph_sym4 *c)
+{
+    double a[6][6], least = INFINITY, top = 0.0;
+    for (int i = 0; i < c->n; i++)
+        for (int j = 0; j < c->n; j++)
+            a[i][j] = c->m[i][j];
+    ph_i_jacobi(c->n, 6, &a[0][0], NULL);
+    for (int i = 0; i < c->n; i++) {
+        least = fmin(least, a[i][i]);
+        top = fmax(top, a[i][i]);
+    }
+    return !(least > nothing * top);
+}
+
 double ph_anisotropy_index(const ph_sym4 *c)
 {
     ph_sym4 s;
     ph_error ignored = PH_ERROR_INIT;
-    if (ph_sym4_inverse(c, &s, &ignored) != PH_OK) return INFINITY;
+    if (is_singular(c) || ph_sym4_inverse(c, &s, &ignored) != PH_OK) return INFINITY;
     double a = c->n == 3 ? plane_index(c, &s) : space_index(c, &s);
     return isfinite(a) ? a : (double)INFINITY;
 }

@@ -230,8 +230,7 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
     res->stabilisation_value = r->params.value;
     PH_TRY(r->constraint->prepare(p, r->family, &r->setting, err));
     if (ph_i_has_cracks(p))
-        PH_TRY(
-            ph_i_broken_new(&r->setting.box, r->family, &r->meter, &r->broken, err));
+        PH_TRY(ph_i_broken_new(&r->setting.box, r->family, &r->meter, &r->broken, err));
     r->params.broken = r->broken;
     if (res->bond.present)
         PH_TRY(ph_i_bond_classes_new(p->micro, p->model.kappa, r->setting.source,
@@ -314,10 +313,11 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
     ph_status st = PH_OK;
     ph_result *res = r->result;
     const char *name = r->constraint->info.name;
-    PH_CHECK(!r->constraint->analytic || !ph_i_has_cracks(r->problem), PH_EINVAL,
-             "constraint %s solves no equations and knows nothing of cracks: take periodic "
-             "or linear_displacement",
-             name);
+    PH_CHECK(
+        !r->constraint->analytic || !ph_i_has_cracks(r->problem), PH_EINVAL,
+        "constraint %s solves no equations and knows nothing of cracks: take periodic "
+        "or linear_displacement",
+        name);
     if (r->constraint->analytic) {
         bool upper = strcmp(name, "voigt") == 0;
         analytic_answer(res, upper ? &res->voigt : &res->reuss, name);

@@ -6,9 +6,9 @@
 
 enum { MAX_FILE = 1 << 26 };
 
-static const char *const root_keys[] = {"perihom",    "title",          "units",
-                                        "materials",  "microstructure", "model",
-                                        "constraint", "solver",         "output"};
+static const char *const root_keys[] = {
+    "perihom",    "title",  "units",  "materials", "microstructure", "model",
+    "constraint", "solver", "output", "cracks",    "sequence"};
 static const char *const unit_keys[] = {"length", "stress", "time"};
 
 void ph_case_free(ph_case **c)
@@ -19,6 +19,7 @@ void ph_case_free(ph_case **c)
     free((*c)->materials);
     free((*c)->inclusions);
     free((*c)->fillers);
+    ph_i_cracks_free(*c);
     free(*c);
     *c = NULL;
 }
@@ -64,6 +65,7 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     ph_i_take_kappa(r);
     ph_i_read_constraint(r, ph_i_get(root, "constraint"));
     ph_i_read_solver(r, ph_i_get(root, "solver"));
+    PH_TRY(ph_i_read_cracks(r, root, err));
     ph_i_read_output(r, ph_i_get(root, "output"));
 out:
     return st;

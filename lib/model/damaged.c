@@ -247,14 +247,14 @@ static void pulls(const ph_damaged *d, ptrdiff_t at, double scale, double T[3][3
     double s[3][3] = {{0}};
     for (int i = 0; i < nd; i++)
         for (int r = 0; r < nd; r++)
-            s[i][r] = scale * d->stress[6 * at + component(nd, i, r)] *
-                      (i == r ? 1.0 : R2);
+            s[i][r] =
+                scale * d->stress[6 * at + component(nd, i, r)] * (i == r ? 1.0 : R2);
     times_inverse((const double(*)[3])s, d->inverse + 6 * at, T);
 }
 
 /* Gradients of the intact bonds and of all: what the correction of (S) needs. */
-static void gradients(const ph_damaged *d, ptrdiff_t at, const around *a,
-                      const double *u, double G[3][3], double whole[3][3])
+static void gradients(const ph_damaged *d, ptrdiff_t at, const around *a, const double *u,
+                      double G[3][3], double whole[3][3])
 {
     double y[3][3] = {{0}}, all[3][3] = {{0}};
     moments(d, a, d->layout.nd, d->node[at], u, y, all);

@@ -38,10 +38,11 @@ typedef struct ph_damaged {
     double whole[6];     /* K^-1 of a whole family */
     double s;            /* coefficient of (S) */
     ptrdiff_t count, room;
-    int32_t *node;   /* [count] as in `broken` when last updated */
-    double *inverse; /* [count][6] K^-1: 00 11 22 12 02 01 by direction; zero: no stress */
-    double *stress;  /* [count][6] Mandel, between ph_i_damaged_take and _scatter */
-    ptrdiff_t mute;  /* nodes that carry no stress */
+    int32_t *node; /* [count] as in `broken` when last updated */
+    double
+        *inverse;   /* [count][6] K^-1: 00 11 22 12 02 01 by direction; zero: no stress */
+    double *stress; /* [count][6] Mandel, between ph_i_damaged_take and _scatter */
+    ptrdiff_t mute; /* nodes that carry no stress */
     size_t bytes;
 } ph_damaged;
 

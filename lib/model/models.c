@@ -138,8 +138,7 @@ static double choose_horizon(const ph_problem *p, ph_points points)
                                           : p->model.horizon * widest(g);
     double least =
         half_diagonal(g); /* zero: a single cell has no family, any length will do */
-    return points == PH_POINTS_STRESS && least > 0.0 ? least
-                                                     : spacings * widest(g);
+    return points == PH_POINTS_STRESS && least > 0.0 ? least : spacings * widest(g);
 }
 
 static const void *by_name(const ph_entry *first, size_t stride, size_t count,
@@ -219,9 +218,9 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
     memset(out, 0, sizeof *out);
     out->stabilisation = PH_STABILISE_NONE;
     PH_CHECK(model, PH_EINVAL, "unknown model '%s'", p->model.kind);
-    PH_CHECK(!ph_i_has_cracks(p) || (model->has_family &&
-                                     p->model.points != PH_POINTS_STRESS &&
-                                     p->model.stabilisation != PH_STABILISE_SUBPOINT),
+    PH_CHECK(!ph_i_has_cracks(p) ||
+                 (model->has_family && p->model.points != PH_POINTS_STRESS &&
+                  p->model.stabilisation != PH_STABILISE_SUBPOINT),
              PH_EINVAL,
              "cracks cut bonds between nodes: take model nosb with points nodes and "
              "without sub-points, or model bond");

@@ -33,8 +33,8 @@ typedef struct ph_operator {
     ph_convolution convolution;
     int nsub; /* (P) of nodes: one-sided simplices of each node */
     ph_stencil *sub[8];
-    double *spectral; /* [modes] S(k), or NULL */
-    double s;         /* its coefficient */
+    double *spectral;    /* [modes] S(k), or NULL */
+    double s;            /* its coefficient */
     ph_damaged *damaged; /* nodes that have lost bonds, or NULL */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */

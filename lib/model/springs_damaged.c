@@ -79,7 +79,8 @@ void ph_i_springs_damaged_load(const ph_springs *s, const double *macro, double 
 
 /* The gradient of the intact springs, weights k |xi|^2 of unit moduli as elsewhere; false
  * where they do not span space. */
-static bool gradient(const ph_springs *s, ptrdiff_t place, const double *u, double G[3][3])
+static bool gradient(const ph_springs *s, ptrdiff_t place, const double *u,
+                     double G[3][3])
 {
     const int nd = s->layout.nd;
     ph_sym4 K = {.n = 3}, inverse; /* a symmetric 3 x 3 matrix, as a 2D tensor */

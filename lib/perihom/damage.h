@@ -19,20 +19,21 @@ typedef enum ph_sequence_kind {
 typedef struct ph_sequence {
     ph_sequence_kind kind;
     int nsteps;
-    const double *value; /* [nsteps] crack length (each growing crack), or crack density */
-    const bool *grows;   /* growth: [cracks->count] */
-    ph_crack_tip tip;    /* growth */
-    ptrdiff_t first;     /* density: cracks before this one are always there and count; of
+    const double
+        *value;        /* [nsteps] crack length (each growing crack), or crack density */
+    const bool *grows; /* growth: [cracks->count] */
+    ph_crack_tip tip;  /* growth */
+    ptrdiff_t first;   /* density: cracks before this one are always there and count; of
                           * the others the first so many that the density of the set is the
                           * nearest to the value */
 } ph_sequence;
 
 typedef struct ph_damage_step {
-    double value;      /* of the sequence; NaN without one */
-    double density;    /* ph_cracks_density of the cracks that are there */
-    ph_sym4 stiffness; /* secant, Mandel */
-    double psi[3];     /* E_n of this step over E_n without cracks, as many as axes */
-    double anisotropy; /* of the stiffness, ph_anisotropy_index */
+    double value;       /* of the sequence; NaN without one */
+    double density;     /* ph_cracks_density of the cracks that are there */
+    ph_sym4 stiffness;  /* secant, Mandel */
+    double psi[3];      /* E_n of this step over E_n without cracks, as many as axes */
+    double anisotropy;  /* of the stiffness, ph_anisotropy_index */
     double mean_damage; /* over the nodes of the RVE: weight of broken bonds over all */
     ptrdiff_t broken_bonds, damaged_nodes;
     ptrdiff_t mute_nodes; /* carry no stress: too few bonds are left */

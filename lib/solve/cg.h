@@ -19,7 +19,7 @@ typedef struct ph_cg_report {
     int max_iterations;
     const ph_ctx *ctx;
     int load, loads; /* for the progress callback */
-    bool guessed; /* in: the solution holds a first guess; solvers may ignore it */
+    bool guessed;    /* in: the solution holds a first guess; solvers may ignore it */
     int iterations;  /* out */
     double residual; /* out: relative */
 } ph_cg_report;

@@ -113,8 +113,7 @@ ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
         system.precondition = precondition_masked;
         memcpy(s->r, load, sizeof(double) * (size_t)(l->nd * l->cells));
         mask(s, s->r);
-        if (report->guessed)
-            memcpy(s->x, u, sizeof(double) * (size_t)(l->nd * l->cells));
+        if (report->guessed) memcpy(s->x, u, sizeof(double) * (size_t)(l->nd * l->cells));
     } else {
         ph_i_operator_forward(s->op, load, s->r);
         for (int a = 0; a < l->nd; a++) /* the mean force is round-off */

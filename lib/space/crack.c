@@ -268,11 +268,11 @@ double ph_cracks_density(const ph_cracks *c, const ph_grid *g)
         else if (k->shape == PH_CRACK_ELLIPSE)
             sum += pow(k->semi_axes[0] * k->semi_axes[1], 1.5);
         else
-            sum += pow(0.5 *
-                           vector_area(k->count,
-                                       (const double(*)[3])(c->vertex + k->first), n) /
-                           pi,
-                       1.5);
+            sum += pow(
+                0.5 *
+                    vector_area(k->count, (const double(*)[3])(c->vertex + k->first), n) /
+                    pi,
+                1.5);
     }
     return sum / volume;
 }

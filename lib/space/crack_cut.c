@@ -87,7 +87,8 @@ static piece ellipse_piece(const ph_crack *k)
     memcpy(p.axis, k->axis, sizeof p.axis);
     cross(k->axis[0], k->axis[1], p.normal);
     for (int d = 0; d < 3; d++) {
-        double r = hypot(k->semi_axes[0] * k->axis[0][d], k->semi_axes[1] * k->axis[1][d]);
+        double r =
+            hypot(k->semi_axes[0] * k->axis[0][d], k->semi_axes[1] * k->axis[1][d]);
         p.low[d] = k->centre[d] - r;
         p.high[d] = k->centre[d] + r;
     }
@@ -254,7 +255,8 @@ out:
 /* Every image of the piece, one period of the RVE apart, that bonds of the box can meet. */
 static ph_status cut_piece(cutter *c, const piece *p, ph_error *err)
 {
-    static const double most = 1e6;
+    static const double most = 1e6, periods = 1e4;
+    double images = 1.0;
     ph_status st = PH_OK;
     ptrdiff_t low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
     for (int d = 0; d < 3; d++) {
@@ -267,7 +269,10 @@ static ph_status cut_piece(cutter *c, const piece *p, ph_error *err)
                  "a crack lies %g box lengths away", fmax(fabs(a), fabs(b)));
         low[d] = (ptrdiff_t)a;
         high[d] = (ptrdiff_t)b;
+        images *= b - a + 1.0;
     }
+    PH_CHECK(images < periods, PH_EINVAL, "a crack crosses %g periods of the RVE",
+             images);
     for (ptrdiff_t i = low[0]; i <= high[0]; i++)
         for (ptrdiff_t j = low[1]; j <= high[1]; j++)
             for (ptrdiff_t k = low[2]; k <= high[2]; k++) {

@@ -14,8 +14,10 @@ static const struct {
     ptrdiff_t n[3];
     double horizon;
 } shapes[] = {
-    {PH_PLANE_STRAIN, {9, 8, 1}, 2.0},       {PH_PLANE_STRESS, {11, 12, 1}, 3.0},
-    {PH_GENERALISED_STRAIN, {8, 9, 1}, 1.6}, {PH_SPACE, {6, 7, 5}, 1.5},
+    {PH_PLANE_STRAIN, {9, 8, 1}, 2.0},
+    {PH_PLANE_STRESS, {11, 12, 1}, 3.0},
+    {PH_GENERALISED_STRAIN, {8, 9, 1}, 1.6},
+    {PH_SPACE, {6, 7, 5}, 1.5},
     {PH_SPACE, {8, 1, 9}, 2.0},
 };
 enum { SHAPES = sizeof shapes / sizeof *shapes };
