@@ -19,16 +19,20 @@
 #define PERIHOM_H
 
 #include <perihom/bond.h>
+#include <perihom/card.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
 #include <perihom/crack.h>
 #include <perihom/damage.h>
 #include <perihom/distribution.h>
+#include <perihom/effective.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>
+#include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/material.h>
+#include <perihom/material_point.h>
 #include <perihom/microstructure.h>
 #include <perihom/output.h>
 #include <perihom/plot.h>

@@ -37,6 +37,9 @@ json_t *ph_i_sequence_to_json(const ph_case *c, bool *good);
 /** `effective.damage` (damage_json.c). */
 ph_status ph_i_json_damage(const ph_damage *damage, json_t *effective, json_t *reasons,
                            ph_error *err);
+/** A viscoelastic material and `viscoelastic` (case_viscoelastic_json.c). */
+json_t *ph_i_relaxation_to_json(const ph_case_relaxation *x, double density, bool *good);
+json_t *ph_i_viscoelastic_to_json(const ph_case_viscoelastic *v, bool *good);
 /** Where a result was made: version, git, compiler, libraries, processor, date, command
  *  (may be NULL). */
 ph_status ph_i_json_provenance(const char *command, json_t **out, ph_error *err);
