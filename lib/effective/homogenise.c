@@ -219,6 +219,9 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
              "every phase of the microstructure is void: its stiffness is zero");
     PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
                              res, err));
+    PH_CHECK(!(ph_i_has_cracks(p) && r->constraint->by_stress), PH_EINVAL,
+             "cracks do not go with %s: take periodic or linear_displacement",
+             r->constraint->info.name);
     PH_CHECK(!(res->bond.present && r->constraint->by_stress), PH_EINVAL,
              "model bond does not take %s: bonds that are missing at the faces make the "
              "material soft there. Take periodic or linear_displacement, or model nosb",
