@@ -123,19 +123,22 @@ contains
 
     subroutine errors()
         type(perihom_material) :: m
-        real(c_double) :: state(18), s(6), t(6, 6)
-        integer :: status
+        real(c_double) :: state(18), s(6), t(6, 6), zero(6)
+        integer :: status, n, states
+        zero = 0
         call perihom_load('nowhere.json', m, status)
         call check(status /= 0 .and. index(perihom_message(), 'nowhere.json') > 0, 'a file that is not there')
-        call perihom_update(m, state, s, 1d0, s, t, status)
+        call perihom_update(m, state, zero, 1d0, s, t, status)
         call check(status /= 0 .and. index(perihom_message(), 'not loaded') > 0, 'a material that is not loaded')
         call perihom_load('resin.json', m, status)
-        call check(status == 0 .and. perihom_components(m) == 6 .and. perihom_state_size(m) == 18, 'sizes')
+        n = perihom_components(m)
+        states = perihom_state_size(m)
+        call check(status == 0 .and. n == 6 .and. states == 18, 'sizes')
         state = 0
         s = 0
-        call perihom_update(m, state(1:6), s, 1d0, s, t, status)
+        call perihom_update(m, state(1:6), zero, 1d0, s, t, status)
         call check(status /= 0 .and. index(perihom_message(), '18') > 0, 'an array that is too short')
-        call perihom_update(m, state, s, -1d0, s, t, status)
+        call perihom_update(m, state, zero, -1d0, s, t, status)
         call check(status /= 0, 'a negative time step')
         call perihom_stiffness(m, t, status)
         call check(status == 0 .and. abs(t(4, 4) - 1.5d0) < 1d-14, 'instantaneous stiffness')
