@@ -284,7 +284,6 @@ out:
     return st;
 }
 
-<<<<<<< HEAD
 /* The factors of a solver and the lists of the route `bonds` are made once: make them anew.
  * Everything else takes in the damaged nodes in place. */
 ph_status ph_i_run_rebuild(ph_run *r, ph_error *err)
@@ -301,10 +300,7 @@ out:
     return st;
 }
 
-static void account(ph_run *r, double start, double solving)
-=======
 void ph_i_run_account(ph_run *r, double start, double solving)
->>>>>>> main
 {
     ph_result *res = r->result;
     res->seconds = ph_i_run_now() - start;
@@ -342,16 +338,10 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
         return PH_OK;
     }
     PH_TRY(ph_i_run_build(r, err));
-<<<<<<< HEAD
-    double start = now();
+    double start = ph_i_run_now();
     r->keep_fields = r->problem->keep_fields;
     st = r->broken ? ph_i_run_damage(r, err) : ph_i_run_loads(r, err);
-    *solving = now() - start;
-=======
-    double start = ph_i_run_now();
-    st = ph_i_run_loads(r, err);
     *solving = ph_i_run_now() - start;
->>>>>>> main
     if (st == PH_ENOCONV) ph_i_run_solved_columns(r);
     if (st != PH_OK) goto out;
     if (!r->broken) PH_TRY(ph_i_run_stiffness(r, err));

@@ -50,9 +50,7 @@ void ph_i_run_clear(ph_run *run);
 bool ph_i_run_is_homogeneous(const ph_run *run);
 unsigned ph_i_run_all_loads(const ph_result *result);
 
-/** Operator and solver of what ph_i_run_prepare decided; ph_i_run_rebuild takes in what has
- *  broken since. */
-ph_status ph_i_run_build(ph_run *run, ph_error *err);
+/** Take in what has broken since the operator was built. */
 ph_status ph_i_run_rebuild(ph_run *run, ph_error *err);
 /** All steps of the cracks, the pristine cell first. */
 ph_status ph_i_run_damage(ph_run *run, ph_error *err);

@@ -269,6 +269,7 @@ void ph_i_operator_stabilise(ph_operator *op, double factor)
     op->stabilise = factor;
     if (op->has_cells) op->cells.hourglass = factor * op->hourglass;
     if (op->bonds) op->bonds->s = factor * op->hourglass;
+    if (op->damaged) op->damaged->s = factor * op->s;
 }
 
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat)

@@ -27,26 +27,6 @@ ph_status ph_i_give_up(ph_status status, const ph_cg_report *rep, const char *wh
     return st;
 }
 
-<<<<<<< HEAD
-/* A guess with a larger residual than this share of the load is worse than zero: what it
- * leaves is rough. Measured: docs/theory/cracks.md. */
-static const double poor_guess = 0.1;
-
-/* Begin at the guess x, r being the load; false, and r as it was, where it is a poor one. */
-static bool take_guess(const ph_linear *s, double b2, double *x, double *r, double *p,
-                       double *q, ph_cg_report *rep)
-{
-    if (!rep->guessed || !(b2 > 0.0)) return false;
-    s->apply(s->self, x, q);
-    memset(p, 0, ph_i_space_size(s->space) * sizeof(double));
-    double left = sqrt(ph_i_step(s->space, 1.0, p, q, p, r) / b2);
-    if (left <= poor_guess) {
-        rep->residual = left;
-        return true;
-    }
-    ph_i_step(s->space, -1.0, p, q, p, r);
-    return false;
-=======
 /* Weight of the last node in the rule of Gauss-Radau: what is left is at most radau r.z. */
 typedef struct energy_bound {
     double radau, alpha, rz;
@@ -65,7 +45,26 @@ static bool bound_energy(energy_bound *b, double rz, ph_cg_report *rep)
     b->rz = rz;
     rep->energy_left = b->radau * rz;
     return rep->energy_left <= rep->energy_most;
->>>>>>> main
+}
+
+/* A guess with a larger residual than this share of the load is worse than zero: what it
+ * leaves is rough. Measured: docs/theory/cracks.md. */
+static const double poor_guess = 0.1;
+
+/* Begin at the guess x, r being the load; false, and r as it was, where it is a poor one. */
+static bool take_guess(const ph_linear *s, double b2, double *x, double *r, double *p,
+                       double *q, ph_cg_report *rep)
+{
+    if (!rep->guessed || !(b2 > 0.0)) return false;
+    s->apply(s->self, x, q);
+    memset(p, 0, ph_i_space_size(s->space) * sizeof(double));
+    double left = sqrt(ph_i_step(s->space, 1.0, p, q, p, r) / b2);
+    if (left <= poor_guess) {
+        rep->residual = left;
+        return true;
+    }
+    ph_i_step(s->space, -1.0, p, q, p, r);
+    return false;
 }
 
 /* Names of [Hestenes1952]: r residual, z = M r, p direction, q = A p. */

@@ -27,7 +27,7 @@ typedef struct ph_cg_report {
      * Gauss-Radau bounds what is left from above [Golub2010] ch. 12, [Meurant2013]. */
     double least;       /* in: 0: no bound is known, and energy_left is not set */
     double energy_most; /* in: stop as well once energy_left is not above; 0: do not */
-    double energy;      /* out: x_k.A.x_k = x.A.x - energy_left */
+    double energy; /* out: x_k.A.x_k = x.A.x - energy_left, where nothing is guessed */
     double energy_left; /* out: upper bound, or 0 where a solver is not this one */
 } ph_cg_report;
 
