@@ -183,6 +183,7 @@ static ph_status spread(ph_i_fit *c, ph_error *err)
     PH_TRY(ph_i_jacobian(&c->residuals, &how, c->best, c->f, c->J, &known, err));
     PH_CHECK(known, PH_ENOCONV, "the model fails beside the minimum: %s",
              c->samples.last_failure.msg);
+    PH_TRY(ph_i_spread_covariance(&c->samples, c->best, c->S, err));
     PH_TRY(ph_i_spread_find(&c->samples, c->best, c->f, c->J, c->scale, &c->spread,
                             c->part, err));
 out:
@@ -200,6 +201,50 @@ static void targets(const ph_i_fit *c, double target[K])
         target[j] = fmax(c->params.relative_error * size, isnan(data) ? 0 : data / 3);
         if (c->spread.unknown[j] == PH_FIT_FLAT) target[j] = INFINITY;
         if (target[j] < 1e-12) target[j] = 1e-12;
+    }
+}
+
+/* Flat at the best is not flat over the range: what do the ends say? */
+static ph_status find_bent(ph_i_fit *c, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int n = c->problem->nmeasurements;
+    double *f = NULL;
+    PH_ALLOC(f, 2 * (size_t)n, "a calibration");
+    for (int j = 0; j < c->problem->nunknowns; j++) {
+        double u[2][K], unit = c->spread.scale > 0 ? sqrt(c->spread.scale) : 1;
+        c->bent[j] = false;
+        if (c->spread.unknown[j] != PH_FIT_FLAT) continue;
+        for (int side = 0; side < 2; side++) {
+            memcpy(u[side], c->best, sizeof u[side]);
+            u[side][j] = side;
+        }
+        PH_TRY(c->residuals.eval(c->residuals.user, 2, u[0], f, err));
+        for (int i = 0; i < 2 * n; i++)
+            if (fabs(f[i] - c->f[i % n]) > 0.1 * unit) c->bent[j] = true;
+    }
+out:
+    free(f);
+    return st;
+}
+
+/* Where an unknown is flat at the best only, what is known of it is how far its other values
+ * miss the data: every mean must be as sharp as a third of sigma. */
+static void sharpen(const ph_i_fit *c, int *n, bool *enough)
+{
+    const ph_fit_problem *p = c->problem;
+    bool any = false;
+    for (int j = 0; j < p->nunknowns; j++)
+        any |= c->bent[j];
+    double limit =
+        c->sigma_known ? 1.0 / 9 : c->params.relative_error * c->params.relative_error;
+    for (int i = 0; i < p->nmeasurements && any; i++) {
+        int point = p->measurement[i].point, has = c->samples.n[point];
+        double more = c->S[i * p->nmeasurements + i] / limit;
+        if (more <= 1) continue;
+        *enough = false;
+        int want = (int)fmin(fmin(ceil(1.1 * more * has), 4.0 * has), c->params.at_most);
+        if (want > n[point]) n[point] = want;
     }
 }
 
@@ -221,6 +266,8 @@ static ph_status rounds(ph_i_fit *c, ph_error *err)
         targets(c, target);
         ph_i_spread_allocate(&c->samples, &c->spread, (const double(*)[K])c->part, target,
                              c->params.at_most, n, &c->out->reached);
+        PH_TRY(find_bent(c, err));
+        sharpen(c, n, &c->out->reached);
         if (c->out->reached || !more_than_before(c, n)) break;
         bool late = c->params.seconds > 0 && now() - c->began > c->params.seconds;
         if (late || c->out->rounds == ROUNDS) break;
@@ -246,6 +293,7 @@ static ph_status prepare(ph_i_fit *c, const ph_ctx *ctx, ph_error *err)
     PH_ALLOC(c->sigma, n, "a calibration");
     PH_ALLOC(c->f, n, "a calibration");
     PH_ALLOC(c->J, (size_t)n * K, "a calibration");
+    PH_ALLOC(c->S, (size_t)n * n, "a calibration");
     PH_ALLOC(c->part, p->npoints, "a calibration");
     for (int i = 0; i < n; i++)
         c->sigma[i] =
@@ -276,7 +324,7 @@ static ph_status stages(ph_i_fit *c, ph_error *err)
     PH_TRY(rounds(c, err));
     c->samples.stage = "profiles";
     PH_TRY(ph_i_profile_box(c, err));
-    ph_i_report(c);
+    PH_TRY(ph_i_report(c, err));
     PH_TRY(ph_i_profile(c, err));
     PH_TRY(ph_i_left_out(c, err));
     PH_TRY(ph_i_posterior(c, err));
@@ -306,6 +354,7 @@ out:
     free(c.sigma);
     free(c.f);
     free(c.J);
+    free(c.S);
     free(c.part);
     ph_fit_free(&c.out);
     return st;

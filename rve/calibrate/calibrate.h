@@ -120,6 +120,10 @@ void ph_i_spread_allocate(const ph_i_samples *s, const ph_i_spread *e,
                           const double (*part)[K], const double *target, int at_most,
                           int *n, bool *enough);
 
+/** Covariance of the residuals that the sampling of the means brings. @param[out] S [n][n] */
+ph_status ph_i_spread_covariance(const ph_i_samples *s, const double u[K], double *S,
+                                 ph_error *err);
+
 /* ---- surrogate.c: means between Chebyshev nodes of a box */
 
 enum { PH_I_SURROGATE_UNKNOWNS = 4, PH_I_NODES_MAX = 17 };
@@ -160,7 +164,9 @@ typedef struct ph_i_fit {
     double minimum_chi2[PH_FIT_MINIMA];
     double *f, *J;     /* at the best */
     double (*part)[K]; /* [npoints] of the sampling variance */
+    double *S;         /* [n][n] covariance of the residuals by sampling */
     ph_i_spread spread;
+    bool bent[K]; /* flat at the best, but not over the whole range */
     ph_i_surrogate *surrogate;
     ph_fit *out;
     double began;
@@ -184,7 +190,7 @@ ph_status ph_i_search_minima(ph_i_fit *c, ph_error *err);
 
 /* ---- report.c: fill c->out before and after profiles and posterior */
 
-void ph_i_report(ph_i_fit *c);
+ph_status ph_i_report(ph_i_fit *c, ph_error *err);
 void ph_i_conclude(ph_i_fit *c);
 
 void ph_i_note(ph_fit *fit, const char *fmt, ...) PH_PRINTF(2, 3);

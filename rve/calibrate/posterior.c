@@ -24,38 +24,18 @@ typedef struct chain {
     long tried, taken;
 } chain;
 
-/* Covariance of the residuals: of the data, and of the means over the realisations. */
+/* Of the covariance of the residuals: of the data, and of the means over the realisations. */
 static ph_status find_root(chain *h, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_i_samples *s = &h->c->samples;
-    const ph_fit_problem *p = h->c->problem;
-    const ph_i_set *set = ph_i_samples_at(s, h->c->best);
-    double *e = NULL; /* [n][capacity] deviations, scaled */
-    PH_ALLOC(e, (size_t)h->n * s->capacity, "a posterior");
-    for (int i = 0; i < h->n; i++) {
-        const ph_fit_measurement *m = &p->measurement[i];
-        int count = ph_i_samples_count(s, m->point, NULL);
-        double mean = m->value + h->c->f[i] * s->sigma[i];
-        for (int r = 0; r < s->n[m->point] && count > 1; r++)
-            if (ph_i_samples_uses(s, m->point, r))
-                e[(size_t)i * s->capacity + r] =
-                    (ph_i_samples_answer(s, set, m->point, r, m->output) - mean) /
-                    s->sigma[i] / sqrt((double)count * (count - 1));
-    }
+    memcpy(h->root, h->c->S, (size_t)h->n * h->n * sizeof *h->root);
     for (int i = 0; i < h->n; i++)
-        for (int k = 0; k <= i; k++) {
-            double sum = i == k ? h->c->spread.scale : 0;
-            for (int r = 0; r < s->capacity; r++)
-                sum += e[(size_t)i * s->capacity + r] * e[(size_t)k * s->capacity + r];
-            h->root[i * h->n + k] = h->root[k * h->n + i] = sum;
-        }
+        h->root[i * h->n + i] += h->c->spread.scale;
     gsl_matrix_view view = gsl_matrix_view_array(h->root, (size_t)h->n, (size_t)h->n);
     /* positive definite: at least sigma^2 on the diagonal */
     PH_CHECK(gsl_linalg_cholesky_decomp1(&view.matrix) == 0, PH_ESINGULAR,
              "the covariance of the measurements is singular");
 out:
-    free(e);
     return st;
 }
 

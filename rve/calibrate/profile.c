@@ -11,10 +11,12 @@ enum { WIDEN = 6, BISECTIONS = 40 };
 double ph_i_rise(const ph_i_fit *c, int j)
 {
     const ph_i_spread *e = &c->spread;
-    double freedom;
-    double q =
-        ph_i_spread_quantile(e, c->problem->nmeasurements, c->sigma_known, j, &freedom);
-    double more = e->data[j][j] > 0 ? 1 + e->sampling[j][j] / e->data[j][j] : 1;
+    int n = c->problem->nmeasurements;
+    double freedom, more = 1;
+    double q = ph_i_spread_quantile(e, n, c->sigma_known, j, &freedom);
+    if (e->data[j][j] > 0) more = 1 + e->sampling[j][j] / e->data[j][j];
+    for (int i = 0; i < n && e->unknown[j] == PH_FIT_FLAT && e->scale > 0; i++)
+        more = fmax(more, 1 + c->S[i * n + i] / e->scale);
     return q * q * e->scale * more;
 }
 

@@ -112,17 +112,54 @@ static void report_minima(ph_i_fit *c)
     }
 }
 
-void ph_i_report(ph_i_fit *c)
+/* Probability of a misfit at least as large by chance. The residuals M (e + s), M = I - H the
+ * projection of the fit, have covariance M (I + S) M: chi2 is a chi2 with as much mean and
+ * variance, exact where S = 0. */
+static ph_status find_probability(ph_i_fit *c, ph_error *err)
 {
+    ph_status st = PH_OK;
+    int n = c->problem->nmeasurements, k = c->problem->nunknowns;
+    double *A = NULL, mean = 0, variance = 0;
+    c->out->probability = NAN;
+    if (!c->sigma_known || c->out->freedom < 1) goto out;
+    PH_ALLOC(A, 2 * (size_t)n * n, "a test");
+    double *M = A + (size_t)n * n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            M[i * n + j] = i == j;
+            for (int a = 0; a < k; a++)
+                for (int b = 0; b < k; b++)
+                    M[i * n + j] -=
+                        c->J[i * K + a] * c->spread.inverse[a][b] * c->J[j * K + b];
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            A[i * n + j] = M[i * n + j];
+            for (int l = 0; l < n; l++)
+                A[i * n + j] += M[i * n + l] * c->S[l * n + j];
+        }
+    for (int i = 0; i < n; i++) {
+        mean += A[i * n + i];
+        for (int j = 0; j < n; j++)
+            variance += 2 * A[i * n + j] * A[j * n + i];
+    }
+    double unit = variance / (2 * mean);
+    c->out->probability = gsl_cdf_chisq_Q(c->chi2 / unit, mean / unit);
+out:
+    free(A);
+    return st;
+}
+
+ph_status ph_i_report(ph_i_fit *c, ph_error *err)
+{
+    ph_status st = PH_OK;
     ph_fit *o = c->out;
     int n = c->problem->nmeasurements;
     double square = 0;
     o->misfit = c->chi2;
     o->freedom = n - c->spread.known;
     o->sigma_scale = c->sigma_known ? 1 : sqrt(c->spread.scale);
-    o->probability = c->sigma_known && o->freedom > 0
-                         ? gsl_cdf_chisq_Q(c->chi2, o->freedom)
-                         : (double)NAN;
+    PH_TRY(find_probability(c, err));
     o->surrogate_error = NAN;
     for (int j = 0; j < c->problem->nunknowns; j++)
         report_unknown(c, j);
@@ -137,18 +174,21 @@ void ph_i_report(ph_i_fit *c)
                                                  : gsl_cdf_ugaussian_Pinv(0.975);
     o->misfit_limit = q * q * c->spread.scale;
     report_minima(c);
+out:
+    return st;
 }
 
 static void note_unknown(ph_i_fit *c, int j)
 {
     const ph_fit_unknown *x = &c->problem->unknown[j];
     const ph_fit_estimate *o = &c->out->unknown[j];
-    if (o->knowledge == PH_FIT_FLAT)
+    bool whole = o->open[0] && o->open[1];
+    if (o->knowledge == PH_FIT_FLAT && whole)
         ph_i_note(c->out,
                   "%s is not identifiable: the data do not tell its values from "
                   "%g to %g apart",
                   x->name, o->interval[0], o->interval[1]);
-    else if (o->knowledge == PH_FIT_WEAK || (o->open[0] && o->open[1]))
+    else if (whole)
         ph_i_note(c->out,
                   "%s is hardly identifiable: its 95 %% interval is the whole range",
                   x->name);
@@ -218,6 +258,9 @@ void ph_i_conclude(ph_i_fit *c)
         bool profile = !isnan(x->profile[0]);
         for (int side = 0; side < 2; side++)
             x->interval[side] = profile ? x->profile[side] : x->local[side];
+        /* Flat at the best value, yet not everywhere. */
+        if (x->knowledge == PH_FIT_FLAT && profile && !(x->open[0] && x->open[1]))
+            x->knowledge = PH_FIT_WEAK;
         note_unknown(c, j);
     }
     note_correlation(c);

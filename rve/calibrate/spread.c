@@ -224,3 +224,35 @@ void ph_i_spread_allocate(const ph_i_samples *s, const ph_i_spread *e,
         n[i] = (int)fmax(fmin(ceil(1.1 * want), most), s->n[i]);
     }
 }
+
+ph_status ph_i_spread_covariance(const ph_i_samples *s, const double u[K], double *S,
+                                 ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_fit_problem *p = s->problem;
+    const ph_i_set *set = ph_i_samples_at(s, u);
+    int n = p->nmeasurements;
+    size_t width = (size_t)s->capacity;
+    double *e = NULL; /* [n][capacity] deviations, scaled */
+    PH_ALLOC(e, n * width, "a covariance");
+    for (int i = 0; i < n; i++) {
+        const ph_fit_measurement *m = &p->measurement[i];
+        int count = ph_i_samples_count(s, m->point, NULL);
+        double mean = mean_of(s, set, m->point, m->output);
+        double share = 1 / sqrt((double)count * (count - 1)) / s->sigma[i];
+        for (int r = 0; r < s->n[m->point] && count > 1; r++)
+            if (ph_i_samples_uses(s, m->point, r))
+                e[i * width + r] =
+                    share * (ph_i_samples_answer(s, set, m->point, r, m->output) - mean);
+    }
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k <= i; k++) {
+            double sum = 0;
+            for (size_t r = 0; r < width; r++)
+                sum += e[i * width + r] * e[k * width + r];
+            S[i * n + k] = S[k * n + i] = sum;
+        }
+out:
+    free(e);
+    return st;
+}
