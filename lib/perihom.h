@@ -29,6 +29,10 @@
 #include <perihom/material.h>
 #include <perihom/microstructure.h>
 #include <perihom/output.h>
+#include <perihom/plot.h>
+#include <perihom/prony.h>
+#include <perihom/quantity.h>
+#include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
 

@@ -5,6 +5,7 @@
 #define PERIHOM_CALIBRATE_H
 
 #include <perihom.h>
+#include <perihom/quantity.h>
 
 #include <stdint.h>
 
@@ -179,6 +180,64 @@ typedef struct ph_fit {
 PH_API ph_status ph_calibrate(const ph_fit_problem *problem, const ph_fit_params *params,
                               const ph_ctx *ctx, ph_fit **out, ph_error *err);
 PH_API void ph_fit_free(ph_fit **fit);
+
+/* ---- calibrations of a case file */
+
+enum { PH_FIT_KEYS = 8, PH_FIT_KEY = 200 };
+
+/** A calibration file, parsed and checked (docs/case-file.md, "Calibrations"), with its case
+ *  and its data. Owns its arrays. */
+typedef struct ph_fit_file {
+    char path[512], title[256];
+    char case_path[1024], data_path[1024];
+    char *case_text; /* of the case file */
+    size_t case_length;
+    ph_case *base; /* the case with --set and nothing else */
+    size_t nsets;
+    char **sets; /* [nsets] --set, put before everything */
+    int nunknowns;
+    ph_fit_unknown unknown[PH_FIT_UNKNOWNS];
+    char unknown_key[PH_FIT_UNKNOWNS][PH_FIT_KEY]; /* key of the case */
+    int nkeys; /* keys of the case that the data vary */
+    char key[PH_FIT_KEYS][PH_FIT_KEY];
+    int noutputs;
+    ph_quantity output[PH_FIT_OUTPUTS];
+    int npoints;
+    double (*place)[PH_FIT_KEYS]; /* [npoints] values of the keys */
+    int *line;                    /* [npoints] of the data file */
+    int nmeasurements;
+    ph_fit_measurement *measurement;
+    ph_fit_params params;
+} ph_fit_file;
+
+/** Read a calibration with its case and data.
+ *  @param[in] sets   overrides of the case, "key.path=value"
+ *  @param[out] issues complaints of the calibration file and of the case, with line, key,
+ *              value and what is admissible; their file is *where (the calibration or the
+ *              case); NULL to get only the first in `err`
+ *  @return as ph_case_read. Tested: tests/io/test_fit_file.c */
+PH_API ph_status ph_fit_file_read(const char *path, const char *const *sets, size_t nsets,
+                                  ph_fit_file **out, ph_case_issues *issues,
+                                  char where[1024], ph_error *err);
+PH_API void ph_fit_file_free(ph_fit_file **file);
+
+/** Calibrate. Every realisation that was solved is a line of `dir`/evaluations.jsonl before it
+ *  counts, and is never solved again: a run that was killed goes on where it was. The file
+ *  is locked meanwhile.
+ *  @param[in] dir   exists, or NULL: keep nothing
+ *  @param[in] retry solve again what failed before
+ *  @param[out] solved how many were solved now, those read back not counted
+ *  @return as ph_calibrate; PH_EIO: the file is locked, or of another case. */
+PH_API ph_status ph_fit_file_run(const ph_fit_file *file, const char *dir, bool retry,
+                                 const ph_ctx *ctx, ph_fit **out, long *solved,
+                                 ph_error *err);
+/** The document perihom.calibration/1 as text, malloc'd. */
+PH_API ph_status ph_fit_to_json(const ph_fit_file *file, const ph_fit *fit,
+                                const char *command, char **json, ph_error *err);
+/** Pictures into `dir`: model-QUANTITY.svg (model against measurement), profile-NAME.svg of
+ *  each unknown, and samples.csv where there are any. */
+PH_API ph_status ph_fit_write_pictures(const ph_fit_file *file, const ph_fit *fit,
+                                       const char *dir, ph_error *err);
 
 #ifdef __cplusplus
 }
