@@ -19,9 +19,11 @@
 #define PERIHOM_H
 
 #include <perihom/bond.h>
+#include <perihom/card.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
 #include <perihom/distribution.h>
+#include <perihom/effective.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>
