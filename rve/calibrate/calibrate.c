@@ -16,7 +16,7 @@ const char *ph_fit_knowledge_text(ph_fit_knowledge k)
     return text[k];
 }
 
-void ph_i_note(ph_fit *fit, const char *fmt, ...)
+void ph_i_fit_note(ph_fit *fit, const char *fmt, ...)
 {
     char text[sizeof fit->notes[0]];
     va_list ap;
@@ -275,8 +275,9 @@ static ph_status rounds(ph_i_fit *c, ph_error *err)
         PH_TRY(refit(c, err));
     }
     if (!c->out->reached)
-        ph_i_note(c->out, "the sampling error is larger than asked for: the budget of "
-                          "realisations or seconds is used up");
+        ph_i_fit_note(c->out,
+                      "the sampling error is larger than asked for: the budget of "
+                      "realisations or seconds is used up");
 out:
     free(n);
     return st;

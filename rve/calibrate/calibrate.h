@@ -193,6 +193,6 @@ ph_status ph_i_search_minima(ph_i_fit *c, ph_error *err);
 ph_status ph_i_report(ph_i_fit *c, ph_error *err);
 void ph_i_conclude(ph_i_fit *c);
 
-void ph_i_note(ph_fit *fit, const char *fmt, ...) PH_PRINTF(2, 3);
+void ph_i_fit_note(ph_fit *fit, const char *fmt, ...) PH_PRINTF(2, 3);
 
 #endif

@@ -9,7 +9,7 @@
 
 typedef struct solver {
     const ph_fit_file *file;
-    ph_i_journal journal;
+    ph_i_fit_journal journal;
     const ph_ctx *ctx;
     long solved;
 } solver;
@@ -82,10 +82,11 @@ static ph_status model(void *user, const double *unknown, int point, uint64_t re
 {
     solver *s = user;
     const ph_fit_file *f = s->file;
-    ph_i_record r = {.realisation = realisation};
+    ph_i_fit_record r = {.realisation = realisation};
     memcpy(r.place, f->place[point], (size_t)f->nkeys * sizeof *r.place);
     memcpy(r.place + f->nkeys, unknown, (size_t)f->nunknowns * sizeof *r.place);
-    const ph_i_record *known = ph_i_journal_find(&s->journal, r.place, realisation);
+    const ph_i_fit_record *known =
+        ph_i_fit_journal_find(&s->journal, r.place, realisation);
     if (known) {
         memcpy(output, known->value, (size_t)f->noutputs * sizeof *output);
         return known->status == PH_OK ? PH_OK
@@ -103,7 +104,7 @@ static ph_status model(void *user, const double *unknown, int point, uint64_t re
     ph_error why = PH_ERROR_INIT;
 #pragma omp critical(ph_calibrate_journal)
     {
-        kept = ph_i_journal_add(&s->journal, &r, &why);
+        kept = ph_i_fit_journal_add(&s->journal, &r, &why);
         s->solved++;
     }
     if (kept == PH_OK) return st;
@@ -117,7 +118,7 @@ ph_status ph_fit_file_run(const ph_fit_file *file, const char *dir, bool retry,
     ph_status st = PH_OK;
     solver s = {.file = file, .ctx = ctx};
     PH_CHECK(file && out, PH_EINVAL, "a calibration needs a file and a place for it");
-    PH_TRY(ph_i_journal_open(&s.journal, file, dir, retry, err));
+    PH_TRY(ph_i_fit_journal_open(&s.journal, file, dir, retry, err));
     const ph_fit_problem problem = {.nunknowns = file->nunknowns,
                                     .unknown = file->unknown,
                                     .npoints = file->npoints,
@@ -129,7 +130,7 @@ ph_status ph_fit_file_run(const ph_fit_file *file, const char *dir, bool retry,
                                     .user = &s};
     st = ph_calibrate(&problem, &file->params, ctx, out, err);
     if (solved) *solved = s.solved;
-    ph_i_journal_close(&s.journal);
+    ph_i_fit_journal_close(&s.journal);
 out:
     return st;
 }

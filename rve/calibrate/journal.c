@@ -81,7 +81,7 @@ out:
     return st;
 }
 
-static ph_status to_json(const ph_fit_file *f, const ph_i_record *r, json_t **out,
+static ph_status to_json(const ph_fit_file *f, const ph_i_fit_record *r, json_t **out,
                          ph_error *err)
 {
     ph_status st = PH_OK;
@@ -114,13 +114,13 @@ static bool read_numbers(const json_t *list, int n, double *x)
     return true;
 }
 
-static bool from_json(const ph_fit_file *f, const json_t *line, ph_i_record *r)
+static bool from_json(const ph_fit_file *f, const json_t *line, ph_i_fit_record *r)
 {
     const json_t *index = json_object_get(line, "realisation"),
                  *values = json_object_get(line, "values"),
                  *status = json_object_get(line, "status"),
                  *why = json_object_get(line, "error");
-    *r = (ph_i_record){.status = PH_OK};
+    *r = (ph_i_fit_record){.status = PH_OK};
     if (!read_numbers(json_object_get(line, "at"), width(f), r->place) ||
         !json_is_integer(index) || json_integer_value(index) < 0)
         return false;
@@ -135,7 +135,7 @@ static bool from_json(const ph_fit_file *f, const json_t *line, ph_i_record *r)
     return true;
 }
 
-static int compare(const ph_i_record *a, const ph_i_record *b)
+static int compare(const ph_i_fit_record *a, const ph_i_fit_record *b)
 {
     for (int i = 0; i < PH_FIT_KEYS + PH_FIT_UNKNOWNS; i++)
         if (a->place[i] != b->place[i]) return a->place[i] < b->place[i] ? -1 : 1;
@@ -147,23 +147,23 @@ static int compare_records(const void *a, const void *b)
     return compare(a, b);
 }
 
-const ph_i_record *ph_i_journal_find(const ph_i_journal *j, const double *place,
-                                     uint64_t realisation)
+const ph_i_fit_record *ph_i_fit_journal_find(const ph_i_fit_journal *j,
+                                             const double *place, uint64_t realisation)
 {
-    ph_i_record wanted = {.realisation = realisation};
+    ph_i_fit_record wanted = {.realisation = realisation};
     memcpy(wanted.place, place, (size_t)width(j->file) * sizeof *place);
     if (j->count == 0) return NULL;
     return bsearch(&wanted, j->record, j->count, sizeof wanted, compare_records);
 }
 
-static ph_status take_line(ph_i_journal *j, const char *text, size_t length, int number,
-                           bool retry, ph_error *err)
+static ph_status take_line(ph_i_fit_journal *j, const char *text, size_t length,
+                           int number, bool retry, ph_error *err)
 {
     ph_status st = PH_OK;
     json_t *line = json_loadb(text, length, 0, NULL);
     if (j->count == j->capacity) {
         size_t capacity = j->capacity ? 2 * j->capacity : 256;
-        ph_i_record *grown = realloc(j->record, capacity * sizeof *grown);
+        ph_i_fit_record *grown = realloc(j->record, capacity * sizeof *grown);
         PH_CHECK(grown, PH_ENOMEM, "no memory for %zu evaluations", capacity);
         j->record = grown;
         j->capacity = capacity;
@@ -177,7 +177,7 @@ out:
     return st;
 }
 
-static ph_status check_header(const ph_i_journal *j, const char *text, size_t length,
+static ph_status check_header(const ph_i_fit_journal *j, const char *text, size_t length,
                               ph_error *err)
 {
     ph_status st = PH_OK;
@@ -201,7 +201,7 @@ out:
     return st;
 }
 
-static ph_status load(ph_i_journal *j, bool retry, size_t *good, ph_error *err)
+static ph_status load(ph_i_fit_journal *j, bool retry, size_t *good, ph_error *err)
 {
     ph_status st = PH_OK;
     char *text = NULL;
@@ -225,7 +225,7 @@ out:
 }
 
 /* All of it at the end of the file, or nothing. */
-static ph_status append(ph_i_journal *j, const json_t *line, ph_error *err)
+static ph_status append(ph_i_fit_journal *j, const json_t *line, ph_error *err)
 {
     ph_status st = PH_OK;
     char *text = json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17));
@@ -246,7 +246,7 @@ out:
     return st;
 }
 
-static ph_status begin(ph_i_journal *j, ph_error *err)
+static ph_status begin(ph_i_fit_journal *j, ph_error *err)
 {
     ph_status st = PH_OK;
     json_t *h = NULL;
@@ -259,12 +259,12 @@ out:
     return st;
 }
 
-ph_status ph_i_journal_open(ph_i_journal *j, const ph_fit_file *file, const char *dir,
-                            bool retry, ph_error *err)
+ph_status ph_i_fit_journal_open(ph_i_fit_journal *j, const ph_fit_file *file,
+                                const char *dir, bool retry, ph_error *err)
 {
     ph_status st = PH_OK;
     size_t good = 0;
-    *j = (ph_i_journal){.fd = -1, .file = file, .synced = now()};
+    *j = (ph_i_fit_journal){.fd = -1, .file = file, .synced = now()};
     if (!dir) return PH_OK;
     PH_CHECK(snprintf(j->path, sizeof j->path, "%s/evaluations.jsonl", dir) <
                  (int)sizeof j->path,
@@ -278,11 +278,12 @@ ph_status ph_i_journal_open(ph_i_journal *j, const ph_fit_file *file, const char
              j->path, strerror(errno));
     if (good == 0) PH_TRY(begin(j, err));
 out:
-    if (st != PH_OK) ph_i_journal_close(j);
+    if (st != PH_OK) ph_i_fit_journal_close(j);
     return st;
 }
 
-ph_status ph_i_journal_add(ph_i_journal *j, const ph_i_record *record, ph_error *err)
+ph_status ph_i_fit_journal_add(ph_i_fit_journal *j, const ph_i_fit_record *record,
+                               ph_error *err)
 {
     ph_status st = PH_OK;
     json_t *line = NULL;
@@ -298,7 +299,7 @@ out:
     return st;
 }
 
-void ph_i_journal_close(ph_i_journal *j)
+void ph_i_fit_journal_close(ph_i_fit_journal *j)
 {
     if (j->fd >= 0) {
         fdatasync(j->fd);

@@ -88,10 +88,10 @@ ph_status ph_i_left_out(ph_i_fit *c, ph_error *err)
     }
     c->out->left_out_rms = sqrt(sum / n);
     if (edges)
-        ph_i_note(c->out,
-                  "leave-one-out: %d of %d fits leave the box of the surrogate; "
-                  "their predictions are too good",
-                  edges, n);
+        ph_i_fit_note(c->out,
+                      "leave-one-out: %d of %d fits leave the box of the surrogate; "
+                      "their predictions are too good",
+                      edges, n);
 out:
     free(w.all);
     return st;

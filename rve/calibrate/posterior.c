@@ -184,7 +184,7 @@ ph_status ph_i_posterior(ph_i_fit *c, ph_error *err)
     double *path = NULL, *sorted = NULL;
     if (asked < 1) goto out;
     if (!c->surrogate) {
-        ph_i_note(out, "no posterior: it needs the surrogate that the profiles need");
+        ph_i_fit_note(out, "no posterior: it needs the surrogate that the profiles need");
         goto out;
     }
     int rows = (asked + h.walkers - 1) / h.walkers, sweeps = rows * THIN;

@@ -98,14 +98,15 @@ ph_status ph_i_profile_box(ph_i_fit *c, ph_error *err)
     double lo[K], hi[K];
     bool built = true, good = false;
     if (c->problem->nunknowns > PH_I_SURROGATE_UNKNOWNS) {
-        ph_i_note(c->out, "no profiles: more than %d unknowns; intervals are local",
-                  PH_I_SURROGATE_UNKNOWNS);
+        ph_i_fit_note(c->out, "no profiles: more than %d unknowns; intervals are local",
+                      PH_I_SURROGATE_UNKNOWNS);
         goto out;
     }
     if (isnan(c->spread.scale)) {
-        ph_i_note(c->out, "no profiles: no sigma is given and there are not more "
-                          "measurements than unknowns, so that nothing is known of the "
-                          "errors of the data");
+        ph_i_fit_note(c->out,
+                      "no profiles: no sigma is given and there are not more "
+                      "measurements than unknowns, so that nothing is known of the "
+                      "errors of the data");
         goto out;
     }
     first_box(c, lo, hi);
@@ -117,11 +118,11 @@ ph_status ph_i_profile_box(ph_i_fit *c, ph_error *err)
         PH_TRY(look_at_edges(c, lo, hi, &good, err));
     }
     if (!built)
-        ph_i_note(c->out, "no profiles: the model fails near the minimum: %.150s",
-                  c->samples.last_failure.msg);
+        ph_i_fit_note(c->out, "no profiles: the model fails near the minimum: %.150s",
+                      c->samples.last_failure.msg);
     else if (!good)
-        ph_i_note(c->out, "an interval may end too early: its box was widened %d times",
-                  WIDEN);
+        ph_i_fit_note(
+            c->out, "an interval may end too early: its box was widened %d times", WIDEN);
 out:
     return st;
 }
@@ -208,10 +209,11 @@ ph_status ph_i_profile(ph_i_fit *c, ph_error *err)
     if (!c->surrogate) goto out;
     c->out->surrogate_error = c->surrogate->error;
     if (c->surrogate->error > 0.1)
-        ph_i_note(c->out,
-                  "the surrogate misses the model by up to %.2g sigma: the means are no "
-                  "smooth function of the unknowns, or change too much in the interval",
-                  c->surrogate->error);
+        ph_i_fit_note(
+            c->out,
+            "the surrogate misses the model by up to %.2g sigma: the means are no "
+            "smooth function of the unknowns, or change too much in the interval",
+            c->surrogate->error);
     for (int j = 0; j < c->problem->nunknowns; j++)
         PH_TRY(profile_of(c, j, err));
 out:

@@ -184,25 +184,26 @@ static void note_unknown(ph_i_fit *c, int j)
     const ph_fit_estimate *o = &c->out->unknown[j];
     bool whole = o->open[0] && o->open[1];
     if (o->knowledge == PH_FIT_FLAT && whole)
-        ph_i_note(c->out,
-                  "%s is not identifiable: the data do not tell its values from "
-                  "%g to %g apart",
-                  x->name, o->interval[0], o->interval[1]);
+        ph_i_fit_note(c->out,
+                      "%s is not identifiable: the data do not tell its values from "
+                      "%g to %g apart",
+                      x->name, o->interval[0], o->interval[1]);
     else if (whole)
-        ph_i_note(c->out,
-                  "%s is hardly identifiable: its 95 %% interval is the whole range",
-                  x->name);
+        ph_i_fit_note(c->out,
+                      "%s is hardly identifiable: its 95 %% interval is the whole range",
+                      x->name);
     else if (o->at_bound)
-        ph_i_note(c->out,
-                  "%s lies at its bound %g and would go beyond: widen the range, or "
-                  "doubt the model",
-                  x->name, o->value);
+        ph_i_fit_note(c->out,
+                      "%s lies at its bound %g and would go beyond: widen the range, or "
+                      "doubt the model",
+                      x->name, o->value);
     else if (o->open[0] || o->open[1])
-        ph_i_note(c->out, "%s: the interval ends at the bound %g, not in the data",
-                  x->name, o->interval[o->open[1]]);
+        ph_i_fit_note(c->out, "%s: the interval ends at the bound %g, not in the data",
+                      x->name, o->interval[o->open[1]]);
     if (o->several)
-        ph_i_note(c->out, "%s: the profile has more than one interval below the limit",
-                  x->name);
+        ph_i_fit_note(c->out,
+                      "%s: the profile has more than one interval below the limit",
+                      x->name);
 }
 
 static void note_points(ph_i_fit *c)
@@ -215,14 +216,15 @@ static void note_points(ph_i_fit *c)
         p->outlier =
             o->freedom > 0 && free > 1e-9 && fabs(p->residual) / sqrt(free) > limit;
         if (p->outlier)
-            ph_i_note(o, "measurement %d (%g) lies %.1f sigma from the fit: an outlier?",
-                      i + 1, p->measured, fabs(p->residual) / sqrt(free));
+            ph_i_fit_note(o,
+                          "measurement %d (%g) lies %.1f sigma from the fit: an outlier?",
+                          i + 1, p->measured, fabs(p->residual) / sqrt(free));
         if (p->failed)
-            ph_i_note(o,
-                      "data point %d: %d of %d realisations failed and are left out: "
-                      "%.120s",
-                      c->problem->measurement[i].point + 1, p->failed,
-                      p->realisations + p->failed, c->samples.last_failure.msg);
+            ph_i_fit_note(o,
+                          "data point %d: %d of %d realisations failed and are left out: "
+                          "%.120s",
+                          c->problem->measurement[i].point + 1, p->failed,
+                          p->realisations + p->failed, c->samples.last_failure.msg);
     }
 }
 
@@ -232,22 +234,22 @@ static void note_correlation(ph_i_fit *c)
     for (int i = 0; i < k; i++)
         for (int j = 0; j < i; j++)
             if (fabs(c->out->correlation[i * k + j]) > 0.95)
-                ph_i_note(c->out,
-                          "%s and %s are correlated (%.3f): the data know a "
-                          "combination of them far better than each",
-                          c->problem->unknown[j].name, c->problem->unknown[i].name,
-                          c->out->correlation[i * k + j]);
+                ph_i_fit_note(c->out,
+                              "%s and %s are correlated (%.3f): the data know a "
+                              "combination of them far better than each",
+                              c->problem->unknown[j].name, c->problem->unknown[i].name,
+                              c->out->correlation[i * k + j]);
 }
 
 static void note_minima(ph_i_fit *c)
 {
     for (int i = 1; i < c->nminima; i++)
         if (c->out->minimum[i].as_good)
-            ph_i_note(c->out,
-                      "not unique: %s = %.4g fits as well (misfit %.3g against "
-                      "%.3g)",
-                      c->problem->unknown[0].name, c->out->minimum[i].value[0],
-                      c->out->minimum[i].misfit, c->chi2);
+            ph_i_fit_note(c->out,
+                          "not unique: %s = %.4g fits as well (misfit %.3g against "
+                          "%.3g)",
+                          c->problem->unknown[0].name, c->out->minimum[i].value[0],
+                          c->out->minimum[i].misfit, c->chi2);
 }
 
 void ph_i_conclude(ph_i_fit *c)
@@ -267,12 +269,13 @@ void ph_i_conclude(ph_i_fit *c)
     note_minima(c);
     note_points(c);
     if (o->probability < 0.01)
-        ph_i_note(o,
-                  "the misfit %.4g is too large for %d degrees of freedom (probability "
-                  "%.2g): the model cannot follow the data, or sigma is too small",
-                  o->misfit, o->freedom, o->probability);
+        ph_i_fit_note(
+            o,
+            "the misfit %.4g is too large for %d degrees of freedom (probability "
+            "%.2g): the model cannot follow the data, or sigma is too small",
+            o->misfit, o->freedom, o->probability);
     if (o->freedom == 0)
-        ph_i_note(o, "as many measurements as unknowns: the misfit checks nothing");
+        ph_i_fit_note(o, "as many measurements as unknowns: the misfit checks nothing");
     o->evaluations = c->samples.nsets;
     o->solves = c->samples.solves;
     o->failures = c->samples.failures;

@@ -146,7 +146,8 @@ ph_status ph_i_descend(ph_i_fit *c, double u[K], double *chi2, ph_error *err)
     bool converged;
     PH_TRY(ph_i_minimise(&c->residuals, &how, u, chi2, &converged, err));
     if (!converged)
-        ph_i_note(c->out, "a local search was stopped after %d steps", how.iterations);
+        ph_i_fit_note(c->out, "a local search was stopped after %d steps",
+                      how.iterations);
 out:
     return st;
 }
