@@ -78,9 +78,8 @@ static inline void synthetic_measure(synthetic_fit *f, const double *truth, doub
     ph_random r = {.seed = seed, .object = 77};
     for (int i = 0; i < f->problem.nmeasurements; i++) {
         ph_fit_measurement *m = &f->measurement[i];
-        m->value =
-            f->model.mean(truth, f->model.content[m->point], m->output) +
-            sigma * ph_random_normal(&r);
+        m->value = f->model.mean(truth, f->model.content[m->point], m->output) +
+                   sigma * ph_random_normal(&r);
     }
 }
 

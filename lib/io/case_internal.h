@@ -75,6 +75,10 @@ void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const ch
 void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const char *fmt,
                   ...) PH_PRINTF(4, 5);
 
+/** What all complaints come to, in the order of the file, the first in `err`.
+ *  @return PH_OK (warnings at most); PH_EINVAL; PH_EUNPHYSICAL; PH_ENOMEM */
+ph_status ph_i_verdict(ph_i_reader *r, ph_error *err);
+
 /* ---- case_read.c: typed reads. False or -1 after a complaint; `rule` says what is
  * admissible ("Young's modulus must be a number > 0"). */
 

@@ -214,18 +214,6 @@ out:
     return st;
 }
 
-static ph_status verdict(const ph_i_reader *r, ph_error *err)
-{
-    char text[512];
-    if (r->out_of_memory) return PH_FAIL(err, PH_ENOMEM, "no memory for complaints");
-    if (r->invalid + r->unphysical == 0) return PH_OK;
-    const ph_case_issue *first = r->issues->item;
-    while (first->warning)
-        first++;
-    ph_case_issue_text(first, r->file, text, sizeof text);
-    return PH_FAIL(err, r->invalid ? PH_EINVAL : PH_EUNPHYSICAL, "%s", text);
-}
-
 static ph_status read_calibration(ph_fit_file *f, ph_case_issues *issues, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -240,7 +228,7 @@ static ph_status read_calibration(ph_fit_file *f, ph_case_issues *issues, ph_err
     else if (issues->count == 0)
         ph_i_complain_line(&r, 0,
                            "the file is empty: a calibration begins with calibration: 1");
-    PH_TRY(verdict(&r, err));
+    PH_TRY(ph_i_verdict(&r, err));
 out:
     ph_i_tree_free(&root);
     free(text);

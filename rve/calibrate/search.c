@@ -108,7 +108,8 @@ out:
     return st;
 }
 
-/* Keep a minimum unless it is one of those that are there; the best comes first. */
+/* Keep a minimum unless it is one of those that are there; the best comes first. Of two
+ * places in a flat valley the one found first stays: that from the user's start. */
 static ph_status keep(ph_i_fit *c, const double u[K], double chi2, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -117,7 +118,7 @@ static ph_status keep(ph_i_fit *c, const double u[K], double chi2, ph_error *err
         bool two;
         PH_TRY(apart(c, c->minimum[i], c->minimum_chi2[i], u, chi2, &two, err));
         if (two) continue;
-        if (chi2 >= c->minimum_chi2[i]) goto out;
+        if (chi2 >= c->minimum_chi2[i] * (1 - 1e-6)) goto out;
         c->nminima--;
         memmove(&c->minimum[i], &c->minimum[i + 1],
                 (size_t)(c->nminima - i) * sizeof c->minimum[0]);
