@@ -35,7 +35,12 @@ static json_t *list_of(int n, const double *x)
 
 static void add(json_t *list, json_t *value, bool *good)
 {
-    if (!list || !value || json_array_append_new(list, value) != 0) *good = false;
+    ph_error ignored = PH_ERROR_INIT;
+    if (!*good || !list)
+        json_decref(value);
+    else
+        *good = ph_i_json_add(list, value, &ignored) == PH_OK;
+    if (!list) *good = false;
 }
 
 static json_t *flags_of(const bool open[2], bool *good)
