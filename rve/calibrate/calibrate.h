@@ -109,7 +109,7 @@ ph_status ph_i_spread_find(const ph_i_samples *s, const double u[K], const doubl
                            const double *J, double scale, ph_i_spread *out,
                            double (*part)[K], ph_error *err);
 /** Quantile for a 95 % interval of unknown j, and its degrees of freedom
- *  (Welch-Satterthwaite of both errors). */
+ *  of both errors together [Satterthwaite1946]. */
 double ph_i_spread_quantile(const ph_i_spread *e, int measurements, bool sigma_known,
                             int j, double *freedom);
 /** Realisations that the next round should have, n_p in proportion to the error that one

@@ -14,26 +14,24 @@ static double square(int n, const double *f)
     return isfinite(sum) ? sum : (double)INFINITY;
 }
 
-/* Where the differences of unknown j are taken: two places beside u, and the weights of
- * u, first, second. */
+/* Where the differences of unknown j are taken, two places beside u, and the weights of what
+ * f is there minus f at u: where nothing changes the derivative is exactly zero. */
 static void stencil(const ph_i_search *how, const double u[K], int j, double place[2],
-                    double weight[3])
+                    double weight[2])
 {
     double h = fmin(how->step, (how->hi[j] - how->lo[j]) / 2);
     if (u[j] - h >= how->lo[j] && u[j] + h <= how->hi[j]) {
         place[0] = u[j] - h;
         place[1] = u[j] + h;
-        weight[0] = 0;
-        weight[1] = -1 / (place[1] - place[0]);
-        weight[2] = -weight[1];
+        weight[0] = -1 / (place[1] - place[0]);
+        weight[1] = -weight[0];
         return;
     }
     double s = u[j] - h < how->lo[j] ? h : -h;
     place[0] = u[j] + s;
     place[1] = u[j] + 2 * s;
-    weight[0] = -1.5 / s;
-    weight[1] = 2 / s;
-    weight[2] = -0.5 / s;
+    weight[0] = 2 / s;
+    weight[1] = -0.5 / s;
 }
 
 ph_status ph_i_jacobian(const ph_i_residuals *r, const ph_i_search *how,
@@ -42,7 +40,7 @@ ph_status ph_i_jacobian(const ph_i_residuals *r, const ph_i_search *how,
 {
     ph_status st = PH_OK;
     int n = r->n, m = 1;
-    double(*at)[K] = NULL, *all = NULL, weight[K][3];
+    double(*at)[K] = NULL, *all = NULL, weight[K][2];
     PH_ALLOC(at, 2 * K + 1, "a Jacobian");
     PH_ALLOC(all, (size_t)(2 * K + 1) * n, "a Jacobian");
     memcpy(at[0], u, sizeof at[0]);
@@ -64,9 +62,9 @@ ph_status ph_i_jacobian(const ph_i_residuals *r, const ph_i_search *how,
             J[i * K + j] = 0;
         for (int j = 0; j < r->k; j++) {
             if (how->hi[j] <= how->lo[j]) continue;
-            J[i * K + j] = weight[j][0] * all[i] +
-                           weight[j][1] * all[(size_t)at_j * n + i] +
-                           weight[j][2] * all[(size_t)(at_j + 1) * n + i];
+            double first = all[(size_t)at_j * n + i] - all[i];
+            double second = all[(size_t)(at_j + 1) * n + i] - all[i];
+            J[i * K + j] = weight[j][0] * first + weight[j][1] * second;
             at_j += 2;
             *known = *known && isfinite(J[i * K + j]);
         }

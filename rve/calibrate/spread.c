@@ -118,7 +118,7 @@ static void pull_of(const ph_i_samples *s, const ph_i_set *set, const double *J,
 }
 
 /* Covariance of the sampling, the part of each point as if it were alone, and degrees of
- * freedom: those of the parts together (Welch-Satterthwaite). */
+ * freedom: those of the parts together [Satterthwaite1946]. */
 static ph_status find_sampling(const ph_i_samples *s, const ph_i_set *set,
                                const double *J, ph_i_spread *e, double (*part)[K],
                                ph_error *err)

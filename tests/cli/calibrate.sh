@@ -9,7 +9,7 @@ root=$1
 . "$root/tests/tap.sh"
 perihom=$(absolute "$2")
 tap_folder
-cp "$root"/tests/cli/cases/kappa.yaml "$root"/tests/cli/cases/tiny-clay.yaml .
+cp "$root"/tests/cli/calibrate/*.yaml .
 printf 'percent,E,sd\n1,3.6,0.05\n2.5,3.8,0.05\n5,4.1,0.06\n' >clay.csv
 
 # Everything of a result but when and where it was made.

@@ -1,5 +1,5 @@
 # Calibrations: what is printed, what is kept, what is refused.
-$ printf 'percent,E,sd\n1,3.6,0.05\n2.5,3.8,0.05\n5,4.1,0.06\n' > clay.csv
+$ cp "$root"/tests/cli/calibrate/*.yaml .; printf 'percent,E,sd\n1,3.6,0.05\n2.5,3.8,0.05\n5,4.1,0.06\n' > clay.csv
 
 $ perihom calibrate kappa.yaml
 > kappa

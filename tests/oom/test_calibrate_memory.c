@@ -103,7 +103,7 @@ static void test_file(void **state)
     snprintf(data, sizeof data, "%s/d.csv", folder);
     FILE *to = fopen(w.path, "w");
     fprintf(to,
-            "calibration: 1\ncase: %s/cli/cases/tiny-clay.yaml\n"
+            "calibration: 1\ncase: %s/cli/calibrate/tiny-clay.yaml\n"
             "unknowns: {microstructure.fillers.0.interphase.kappa: {from: 0.01, to: 100, "
             "scale: log}}\ndata: {file: d.csv, columns: "
             "{microstructure.fillers.0.weight_fraction: w, E1: E, sigma: s}}\n",
