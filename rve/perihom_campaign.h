@@ -134,7 +134,7 @@ enum { PH_CAMPAIGN_POINTS = 100000 };
 /** Read a campaign file and the case of every point. Format: docs/campaigns.md.
  *  @param[in] sets overrides of the case, applied to every point before its own
  *  @param[out] issues as ph_case_read; complaints about the case of a point name the point
- *  @return as ph_case_read. Tested: tests/io/test_campaign.c, tests/cli/campaign.t */
+ *  @return as ph_case_read. Tested: tests/io/test_campaign_file.c */
 PH_API ph_status ph_campaign_read(const char *path, const char *const *sets, size_t nsets,
                                   ph_campaign **out, ph_case_issues *issues,
                                   ph_error *err);
@@ -210,7 +210,7 @@ PH_API void ph_campaign_result_free(ph_campaign_result **result);
  *  @return PH_OK; PH_EPARTIAL (some realisations failed; the result is there); PH_ECANCELLED
  *          (what was computed is on disk; the result is there); PH_EIO (the folder is in use
  *          or holds another campaign, disk full); PH_EINVAL; PH_ENOMEM.
- *  Tested: tests/campaign/test_engine.c, tests/cli/campaign.sh */
+ *  Tested: tests/unit/test_campaign.c, tests/cli/campaign.sh */
 PH_API ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params,
                                  ph_campaign_result **out, ph_error *err);
 /** Bring the realisations of other folders into `folder`: in any order, any number of times

@@ -75,17 +75,31 @@ void ph_i_appendf(ph_i_growing *g, const char *fmt, ...)
     ph_i_append(g, piece, (size_t)size < sizeof piece ? (size_t)size : sizeof piece - 1);
 }
 
+/* The point of the locale becomes a decimal point. */
+static void set_point(char *text)
+{
+    const char *point = localeconv()->decimal_point;
+    char *at = *point && strcmp(point, ".") != 0 ? strstr(text, point) : NULL;
+    if (!at) return;
+    *at = '.';
+    memmove(at + 1, at + strlen(point), strlen(at + strlen(point)) + 1);
+}
+
 void ph_i_append_number(ph_i_growing *g, double x, int digits)
 {
     char piece[64];
-    const char *point = localeconv()->decimal_point;
     snprintf(piece, sizeof piece, "%.*g", digits, x);
-    char *at = *point && strcmp(point, ".") != 0 ? strstr(piece, point) : NULL;
-    if (at) {
-        *at = '.';
-        memmove(at + 1, at + strlen(point), strlen(at + strlen(point)) + 1);
-    }
+    set_point(piece);
     ph_i_append(g, piece, strlen(piece));
+}
+
+void ph_i_number_text(char *out, size_t size, bool e, int digits, double x)
+{
+    if (e)
+        snprintf(out, size, "%.*e", digits, x);
+    else
+        snprintf(out, size, "%.*f", digits, x);
+    set_point(out);
 }
 
 void ph_i_append_exact(ph_i_growing *g, double x)
@@ -114,6 +128,23 @@ int ph_i_utf8(const char *text, size_t length, uint32_t *code)
     if (c < least[n] || c > 0x10ffff || (c >= 0xd800 && c < 0xe000)) return 0;
     *code = c;
     return n;
+}
+
+bool ph_i_utf8_next(const char **text, uint32_t *code)
+{
+    if (!**text) return false;
+    int n = ph_i_utf8(*text, strnlen(*text, 4), code);
+    if (n == 0) *code = 0xfffd;
+    *text += n ? n : 1;
+    return true;
+}
+
+int ph_i_utf8_letters(const char *text)
+{
+    int letters = 0;
+    for (uint32_t code; ph_i_utf8_next(&text, &code);)
+        letters++;
+    return letters;
 }
 
 void ph_i_append_xml(ph_i_growing *g, const char *text)

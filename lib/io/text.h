@@ -32,5 +32,12 @@ void ph_i_append_xml(ph_i_growing *g, const char *text);
 /** Bytes of the UTF-8 character at `text` (1 .. 4) and its code point, 0 if there is none:
  *  overlong, cut off, a surrogate or beyond U+10FFFF. */
 int ph_i_utf8(const char *text, size_t length, uint32_t *code);
+/** Take one character off a text; 0xfffd for a byte that is none. False at the end. */
+bool ph_i_utf8_next(const char **text, uint32_t *code);
+/** How many characters that gives. */
+int ph_i_utf8_letters(const char *text);
+
+/** Print a number as "%.*f", or "%.*e" where `e`, with a decimal point in any locale. */
+void ph_i_number_text(char *out, size_t size, bool e, int digits, double x);
 
 #endif

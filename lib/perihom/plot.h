@@ -40,14 +40,15 @@ typedef struct ph_plot {
     double x_range[2], y_range[2]; /* both ends equal: from the data */
     int nseries;
     const ph_series *series;
-    int width, height; /* units (SVG: px at 96 dpi); 0: 720 x 480; else 200 .. 10000 */
+    int width,
+        height; /* units (SVG: px at 96 dpi); 0: 720 x 480; else 200 .. 4000, 150 .. 4000 */
 } ph_plot;
 
 /** A matrix as coloured cells. */
 typedef struct ph_heatmap {
     const char *title, *subtitle, *xlabel, *ylabel;
     const char *value_label;   /* beside the colour bar */
-    int nx, ny;                /* 1 .. 4096 columns and rows */
+    int nx, ny;                /* 1 .. 512 columns and rows */
     const double *value;       /* [ny][nx], first row on top; NaN is grey */
     const char *const *xnames; /* [nx] of the columns, or NULL: 1, 2, ... */
     const char *const *ynames; /* [ny] of the rows, or NULL */
@@ -65,10 +66,8 @@ typedef struct ph_heatmap {
  *  - Values that are not finite are gaps. Text is escaped; bytes that are not UTF-8 become
  *    U+FFFD.
  *  - A line of many points is thinned to first, least, greatest and last point of each
- *    column of half a unit, marks to one per quarter of a unit in x and y: the picture is
- *    the same, and 1e6 ordered points make a file of some 100 kB.
- *  - The legend goes to the corner with the fewest points, or to the right of the axes where
- *    it would cover any.
+ *    column of half a unit, marks to one a unit in x and y: the picture looks the same, and 1e6 ordered points make a file of some 100 kB.
+ *  - The legend goes to a corner that is free, or to the right of the axes.
  *  @param[out] text  untouched on failure
  *  @return PH_OK; PH_EINVAL (sizes, ranges, missing arrays); PH_ENOMEM. Cost: O(points). */
 PH_API ph_status ph_plot_svg(const ph_plot *plot, char **text, ph_error *err);
