@@ -5,6 +5,7 @@
 #include "interrupt.h"
 #include "tools.h"
 
+#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,11 +28,10 @@ static const option_spec options[] = {
     {0, "memory", "SIZE", OPTION_TEXT, offsetof(campaign_options, memory),
      "80 % of the machine",
      "memory of all workers together, e.g. 8G: fewer workers then"},
-    {0, "shard", "K/N", OPTION_TEXT, offsetof(campaign_options, shard), NULL,
-     "compute only part K of N, in DIR/shard-K-of-N; see --merge"},
-    {0, "merge", NULL, OPTION_FLAG, offsetof(campaign_options, merge), NULL,
-     "bring the realisations of the folders behind CAMPAIGN.yaml (or of DIR/shard-*) "
-     "together"},
+    {0, "shard", "PART", OPTION_TEXT, offsetof(campaign_options, shard), NULL,
+     "K/N: compute only the K-th of N parts, in DIR/shard-K-of-N; see --merge"},
+    {0, "merge", NULL, OPTION_FLAG, offsetof(campaign_options, merge), "DIR/shard-*",
+     "bring the realisations of other folders together"},
     {0, "rebuild", NULL, OPTION_FLAG, offsetof(campaign_options, rebuild), NULL,
      "compute nothing; make all files anew from realisations.jsonl"},
     {0, "retry-failed", NULL, OPTION_FLAG, offsetof(campaign_options, retry_failed), NULL,
@@ -147,6 +147,26 @@ out:
     return st;
 }
 
+/* The folders of the command line, or all shards of this campaign. */
+static ph_status merge(campaign *m, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const text_list *operands = &m->options->operands;
+    if (operands->count > 1)
+        return ph_campaign_merge(m->c, m->dir, operands->item + 1, operands->count - 1,
+                                 &m->result, err);
+    char pattern[DESTINATION_PATH + 16];
+    glob_t found = {0};
+    snprintf(pattern, sizeof pattern, "%s/shard-*-of-*", m->dir);
+    PH_CHECK(glob(pattern, 0, NULL, &found) == 0, PH_EIO, "there is no %s to merge",
+             pattern);
+    PH_TRY(ph_campaign_merge(m->c, m->dir, (const char *const *)found.gl_pathv,
+                             found.gl_pathc, &m->result, err));
+out:
+    globfree(&found);
+    return st;
+}
+
 static ph_status run(campaign *m, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -160,8 +180,7 @@ static ph_status run(campaign *m, ph_error *err)
     m->params.progress = campaign_step;
     m->params.user = &t;
     if (o->merge)
-        st = ph_campaign_merge(m->c, m->dir, o->operands.item + 1, o->operands.count - 1,
-                               &m->result, err);
+        st = merge(m, err);
     else if (o->rebuild)
         st = ph_campaign_summarise(m->c, m->dir, &m->result, err);
     else

@@ -9,7 +9,7 @@ root=$1
 perihom=$(absolute "$2")
 kills=${3:-6}
 tap_folder
-cp "$root/tests/cli/cases/random.yaml" "$root/tests/cli/cases/sweep.yaml" .
+cp "$root/tests/cli/campaigns/random.yaml" "$root/tests/cli/campaigns/sweep.yaml" .
 export OMP_NUM_THREADS=1
 
 campaign() { "$perihom" campaign sweep.yaml -q "$@" >/dev/null; }
@@ -65,7 +65,7 @@ check "--rebuild" same again one
 
 # Shards, in any order, merged any number of times.
 for k in 3 1 4 2; do campaign -o parts --shard $k/4 -j 1; done
-campaign -o parts --merge parts/shard-*
+campaign -o parts --merge
 check "four shards, merged, are the single run" same parts one
 campaign -o parts --merge parts/shard-2-of-4 parts/shard-4-of-4 parts/shard-2-of-4
 check "merging twice changes nothing" same parts one
