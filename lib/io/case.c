@@ -83,12 +83,7 @@ static bool set_path(ph_case *c, const char *name)
     size_t n = strlen(name);
     if (n >= sizeof c->path) return false;
     memcpy(c->path, name, n + 1);
-    const char *slash = strrchr(name, '/');
-    if (!slash)
-        snprintf(c->folder, sizeof c->folder, ".");
-    else
-        snprintf(c->folder, sizeof c->folder, "%.*s",
-                 slash == name ? 1 : (int)(slash - name), name);
+    ph_i_folder_of(name, c->folder, sizeof c->folder);
     return true;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of the case-file reader: text -> tree of nodes (case_yaml.c), overrides put into the
+/* Inside of the readers of YAML documents, the case file and those of campaigns: text -> tree of nodes (case_yaml.c), overrides put into the
  * tree (case_set.c), typed reads that collect complaints (case_read.c), one file a section. */
 #ifndef PH_IO_CASE_INTERNAL_H
 #define PH_IO_CASE_INTERNAL_H
@@ -55,6 +55,12 @@ void ph_i_tree_free(ph_i_node **node);
 /** A new node at the end of a list or map; owned by it. @param[in] key NULL in a list */
 ph_status ph_i_tree_append(ph_i_node *parent, const char *key, ph_i_node *child,
                            ph_error *err);
+
+/** The node as YAML of one line (malloc'd), which parses to the same again: the value of an
+ *  override. NULL: no memory. */
+char *ph_i_tree_text(const ph_i_node *node);
+/** Folder part of a path: "." where it has none, "/" for the root. */
+void ph_i_folder_of(const char *path, char *folder, size_t size);
 
 /* ---- case_set.c */
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # A calibration that is killed goes on where it was: nothing lost, nothing solved twice, and
 # the same result. Signals, a folder in use, a line cut off, a disk that is full.
-# usage: calibrate.sh ROOT PERIHOM
+# usage: calibrate_resume.sh ROOT PERIHOM
 set -u
 root=$1
 # shellcheck source=tests/tap.sh
