@@ -161,15 +161,6 @@ static void print_fit(const ph_fit_file *file, const ph_fit *fit)
 
 /* ---- the verb */
 
-static void talk_issues(const char *where, const ph_case_issues *issues)
-{
-    for (size_t i = 0; i < issues->count; i++) {
-        char text[1600];
-        ph_case_issue_text(&issues->item[i], where, text, sizeof text);
-        fprintf(stderr, "%s\n", text);
-    }
-}
-
 static int load(const calibrate_options *o, ph_fit_file **file)
 {
     ph_error err = PH_ERROR_INIT;

@@ -174,15 +174,6 @@ static bool read_path(ph_i_reader *r, const ph_i_node *node, const char *folder,
     return true;
 }
 
-static void folder_of(const char *path, char folder[512])
-{
-    const char *slash = strrchr(path, '/');
-    if (!slash)
-        snprintf(folder, 512, ".");
-    else
-        snprintf(folder, 512, "%.*s", slash == path ? 1 : (int)(slash - path), path);
-}
-
 static ph_status read_root(ph_i_reader *r, const ph_i_node *root, ph_fit_file *f,
                            ph_error *err)
 {
@@ -190,7 +181,7 @@ static ph_status read_root(ph_i_reader *r, const ph_i_node *root, ph_fit_file *f
     static const char version[] = "must be 1, the version of the format";
     char folder[512];
     int64_t n;
-    folder_of(f->path, folder);
+    ph_i_folder_of(f->path, folder, sizeof folder);
     if (!ph_i_read_map(r, root,
                        "a calibration file is a map that begins with calibration: 1"))
         goto out;
