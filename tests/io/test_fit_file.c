@@ -34,8 +34,9 @@ static ph_status read_text(const world *w, const char *rest, const char *data,
                            ph_fit_file **out, ph_case_issues *issues, ph_error *err)
 {
     char text[4096];
-    snprintf(text, sizeof text, "calibration: 1\ncase: %s/cli/calibrate/tiny-clay.yaml\n%s",
-             PH_TEST_DIR, rest);
+    snprintf(text, sizeof text,
+             "calibration: 1\ncase: %s/cli/calibrate/tiny-clay.yaml\n%s", PH_TEST_DIR,
+             rest);
     put(w->path, text);
     put(w->data, data);
     return ph_fit_file_read(w->path, NULL, 0, out, issues, NULL, err);
