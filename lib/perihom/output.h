@@ -53,6 +53,11 @@ PH_API ph_status ph_viscoelastic_to_json(const ph_viscoelastic *v,
 PH_API ph_status ph_prony_to_yaml(const ph_prony *p, const char *name, char **text,
                                   ph_error *err);
 
+/** The steps of damage as a table, one row a step: value, density, C11 .. (Voigt, upper
+ *  triangle), psi1 .., anisotropy_index, mean_damage, counts. The text is malloc'd.
+ *  @return PH_OK; PH_ENOMEM. Tested: tests/unit/test_cracks.c */
+PH_API ph_status ph_damage_to_csv(const ph_damage *damage, char **text, ph_error *err);
+
 /** Write text to a file so that a reader sees the old file or the new one, never half: a
  *  temporary file in the same folder, fsync, rename. A symbolic link is followed; a device
  *  or a pipe (/dev/stdout) is written in place.
