@@ -31,6 +31,7 @@
 #include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/material.h>
+#include <perihom/material_point.h>
 #include <perihom/microstructure.h>
 #include <perihom/output.h>
 #include <perihom/plot.h>
@@ -40,5 +41,6 @@
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
+#include <perihom/viscoelastic.h>
 
 #endif

@@ -16,6 +16,8 @@ const verb verbs[] = {
      cmd_check},
     {"compute", "bounds", "analytic bounds and estimates of a case", cmd_bounds},
     {"compute", "fit", "Prony series of a modulus from measurements", cmd_fit},
+    {"compute", "calibrate", "unknowns of a case from measurements", cmd_calibrate},
+    {"compute", "campaign", "many realisations, sweeps; resumes", cmd_campaign},
     {"microstructure", "generate", "only the microstructure: picture, voxels, statistics",
      cmd_generate},
     {"look", "view", "pictures of a result", cmd_view},
@@ -91,6 +93,8 @@ int main(int argc, char **argv)
     gsl_set_error_handler_off();
     /* A pager that closes must not cost a result that is about to be written. */
     signal(SIGPIPE, SIG_IGN);
+    /* A limit of the file size is an error of the write, with its message. */
+    signal(SIGXFSZ, SIG_IGN);
     int code = close_stdout(dispatch(argc, argv));
     interrupt_reraise();
     return code;
