@@ -96,11 +96,11 @@ out:
     return st;
 }
 
-static ph_status make_params(const fit_options *o, ph_fit_params *p, double **times,
+static ph_status make_params(const fit_options *o, ph_prony_fit_params *p, double **times,
                              ph_error *err)
 {
     ph_status st = PH_OK;
-    *p = (ph_fit_params){.terms = o->terms, .absolute = o->absolute};
+    *p = (ph_prony_fit_params){.terms = o->terms, .absolute = o->absolute};
     PH_CHECK(!(o->fluid && o->solid), PH_EUSAGE,
              "--fluid and --solid exclude each other");
     PH_CHECK((o->terms > 0) + (o->per_decade != NULL) + (o->times != NULL) <= 1,
@@ -108,7 +108,7 @@ static ph_status make_params(const fit_options *o, ph_fit_params *p, double **ti
     PH_CHECK(!o->name || strcmp(o->name, "E") == 0 || strcmp(o->name, "bulk") == 0 ||
                  strcmp(o->name, "shear") == 0,
              PH_EUSAGE, "--name is E, bulk or shear, not '%s'", o->name);
-    p->rest = o->fluid ? PH_FIT_FLUID : o->solid ? PH_FIT_SOLID : PH_FIT_AUTOMATIC;
+    p->rest = o->fluid ? PH_PRONY_FLUID : o->solid ? PH_PRONY_SOLID : PH_PRONY_AUTOMATIC;
     if (o->per_decade) {
         char *end = NULL;
         p->per_decade = strtod(o->per_decade, &end);
@@ -127,18 +127,18 @@ static ph_status fit_with(const fit_options *o, ph_error *err)
 {
     ph_status st = PH_OK;
     fit_input in = {.table = NULL};
-    ph_fit *fit = NULL;
+    ph_prony_fit *fit = NULL;
     double *times = NULL;
     char *text = NULL;
-    ph_fit_params params;
+    ph_prony_fit_params params;
     PH_TRY(make_params(o, &params, &times, err));
     PH_TRY(fit_input_read(o, &in, err));
-    st = ph_fit_prony(&in.data, &params, &fit, err);
+    st = ph_prony_fit_new(&in.data, &params, &fit, err);
     if (st != PH_OK) {
         ph_error_prefix(err, "%s: ", in.table->path);
         goto out;
     }
-    if (o->terms > fit->modulus.nterms && in.data.kind != PH_FIT_CREEP)
+    if (o->terms > fit->modulus.nterms && in.data.kind != PH_PRONY_CREEP)
         talk("the data support no more than %d terms", fit->modulus.nterms);
     if (o->json)
         PH_TRY(fit_json(o, &in, fit, &text, err));
@@ -149,7 +149,7 @@ static ph_status fit_with(const fit_options *o, ph_error *err)
 out:
     free(text);
     free(times);
-    ph_fit_free(&fit);
+    ph_prony_fit_free(&fit);
     fit_input_free(&in);
     return st;
 }

@@ -24,7 +24,7 @@ typedef struct fit_temperature {
 /** The table as data of one modulus at one temperature. */
 typedef struct fit_input {
     ph_table *table;
-    ph_fit_data data; /* of the arrays below */
+    ph_prony_data data; /* of the arrays below */
     double *x, *value, *loss, *sd, *loss_sd;
     double *temperature;                         /* [n], or NULL */
     const char *x_name, *value_name, *loss_name; /* columns, for labels */
@@ -43,17 +43,17 @@ ph_status fit_input_read(const fit_options *o, fit_input *in, ph_error *err);
 void fit_input_free(fit_input *in);
 
 /** The block for a case file, comments before it; malloc'd. */
-ph_status fit_yaml(const fit_options *o, const fit_input *in, const ph_fit *fit,
+ph_status fit_yaml(const fit_options *o, const fit_input *in, const ph_prony_fit *fit,
                    char **text, ph_error *err);
 /** The document perihom.fit/1; malloc'd. */
-ph_status fit_json(const fit_options *o, const fit_input *in, const ph_fit *fit,
+ph_status fit_json(const fit_options *o, const fit_input *in, const ph_prony_fit *fit,
                    char **text, ph_error *err);
 /** fit.yaml, fit.json, fit.csv, fit.svg and fit.png in the folder o->output. */
-ph_status fit_write(const fit_options *o, const fit_input *in, const ph_fit *fit,
+ph_status fit_write(const fit_options *o, const fit_input *in, const ph_prony_fit *fit,
                     ph_error *err);
 
 /** "relaxation", "creep" or "dynamic". */
-const char *fit_kind_name(ph_fit_kind kind);
+const char *fit_kind_name(ph_prony_kind kind);
 /** What the residuals are measured with. */
 const char *fit_weights(const fit_options *o, const fit_input *in);
 

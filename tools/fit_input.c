@@ -10,7 +10,7 @@ enum { MOST_TEMPERATURES = 200 };
 
 static const double pi = 3.14159265358979323846;
 
-const char *fit_kind_name(ph_fit_kind kind)
+const char *fit_kind_name(ph_prony_kind kind)
 {
     static const char *const names[] = {"relaxation", "creep", "dynamic"};
     return names[kind];
@@ -115,7 +115,7 @@ out:
 }
 
 static ph_status choose_kind(const fit_options *o, const ph_table *t, const columns *c,
-                             ph_fit_kind *out, ph_error *err)
+                             ph_prony_kind *out, ph_error *err)
 {
     ph_status st = PH_OK;
     const bool dynamic = c->storage >= 0 && (c->frequency >= 0 || c->omega >= 0);
@@ -126,14 +126,14 @@ static ph_status choose_kind(const fit_options *o, const ph_table *t, const colu
                                          "frequency or omega, storage and loss"};
     if (o->kind) {
         int k = 0;
-        while (k < 3 && strcmp(o->kind, fit_kind_name((ph_fit_kind)k)) != 0)
+        while (k < 3 && strcmp(o->kind, fit_kind_name((ph_prony_kind)k)) != 0)
             k++;
         PH_CHECK(k < 3, PH_EUSAGE, "--kind is relaxation, creep or dynamic, not '%s'",
                  o->kind);
         PH_CHECK(has[k], PH_EINVAL,
                  "%s: %s data need the columns %s; name them with --time and so on",
                  t->path, o->kind, needs[k]);
-        *out = (ph_fit_kind)k;
+        *out = (ph_prony_kind)k;
         goto out;
     }
     PH_CHECK(dynamic + relaxation + creep > 0, PH_EINVAL,
@@ -143,7 +143,7 @@ static ph_status choose_kind(const fit_options *o, const ph_table *t, const colu
     PH_CHECK(dynamic + relaxation + creep == 1, PH_EINVAL,
              "%s: has columns of more than one kind of data: choose one with --kind",
              t->path);
-    *out = dynamic ? PH_FIT_DYNAMIC : relaxation ? PH_FIT_RELAXATION : PH_FIT_CREEP;
+    *out = dynamic ? PH_PRONY_DYNAMIC : relaxation ? PH_PRONY_RELAXATION : PH_PRONY_CREEP;
 out:
     return st;
 }
@@ -173,11 +173,11 @@ static ph_status take_columns(const columns *c, fit_input *in, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_table *t = in->table;
-    const bool dynamic = in->data.kind == PH_FIT_DYNAMIC;
+    const bool dynamic = in->data.kind == PH_PRONY_DYNAMIC;
     if (dynamic) {
         PH_TRY(take_dynamic(c, in, err));
     } else {
-        int y = in->data.kind == PH_FIT_CREEP ? c->compliance : c->modulus;
+        int y = in->data.kind == PH_PRONY_CREEP ? c->compliance : c->modulus;
         PH_TRY(take_column(t, c->time, &in->x, err));
         PH_TRY(take_column(t, y, &in->value, err));
         in->x_name = t->name[c->time];
@@ -299,15 +299,15 @@ static ph_status shift(const fit_options *o, fit_input *in, ph_error *err)
     PH_CHECK(factor, PH_ENOMEM, "no memory for the shift factors");
     in->overlap = !o->shift || strcmp(o->shift, "overlap") == 0;
     if (in->overlap)
-        PH_TRY(ph_fit_overlap(&in->data, in->temperature, in->reference, factor, &in->gap,
-                              err));
+        PH_TRY(ph_shift_overlap(&in->data, in->temperature, in->reference, factor,
+                                &in->gap, err));
     else
         PH_TRY(read_law(o->shift, in->reference, &in->law, err));
     for (ptrdiff_t i = 0; i < in->data.n; i++) {
         if (!in->overlap)
             PH_TRY(ph_shift_factor(&in->law, in->temperature[i], in->kelvin, &factor[i],
                                    err));
-        in->x[i] *= in->data.kind == PH_FIT_DYNAMIC ? factor[i] : 1 / factor[i];
+        in->x[i] *= in->data.kind == PH_PRONY_DYNAMIC ? factor[i] : 1 / factor[i];
         for (int k = 0; k < in->ntemperatures; k++)
             if (in->temperatures[k].temperature == in->temperature[i])
                 in->temperatures[k].factor = factor[i];

@@ -17,13 +17,13 @@ static ph_status write_text(const char *dir, const char *name, const char *text,
     return ph_write_file(path, text, strlen(text), err);
 }
 
-static ph_status write_table(const fit_options *o, const fit_input *in, const ph_fit *fit,
-                             ph_error *err)
+static ph_status write_table(const fit_options *o, const fit_input *in,
+                             const ph_prony_fit *fit, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_table *t = NULL;
     char *text = NULL;
-    const bool dynamic = fit->kind == PH_FIT_DYNAMIC;
+    const bool dynamic = fit->kind == PH_PRONY_DYNAMIC;
     const char *const names[3][5] = {
         {"time", "modulus", "fit", NULL, NULL},
         {"time", "compliance", "fit", NULL, NULL},
@@ -75,7 +75,7 @@ static void add_points(const fit_input *in, double only, const char *label, int 
     }
 }
 
-static void add_curve(const fit_input *in, const ph_fit *fit, picture *p)
+static void add_curve(const fit_input *in, const ph_prony_fit *fit, picture *p)
 {
     double lo = INFINITY, hi = 0;
     for (ptrdiff_t i = 0; i < in->data.n; i++) {
@@ -85,7 +85,7 @@ static void add_curve(const fit_input *in, const ph_fit *fit, picture *p)
     for (int k = 0; k < CURVE; k++) {
         double x = lo * pow(hi / lo, k / (CURVE - 1.0)), loss = 0;
         p->curve[k] = x;
-        p->curve[CURVE + k] = ph_fit_at(fit, x, &loss);
+        p->curve[CURVE + k] = ph_prony_fit_at(fit, x, &loss);
         p->curve[2 * CURVE + k] = loss;
     }
     for (int part = 0; part < (in->loss ? 2 : 1); part++) {
@@ -115,7 +115,7 @@ static bool spans_decades(const fit_input *in)
 }
 
 static ph_status write_pictures(const fit_options *o, const fit_input *in,
-                                const ph_fit *fit, ph_error *err)
+                                const ph_prony_fit *fit, ph_error *err)
 {
     ph_status st = PH_OK;
     picture p = {.count = 0};
@@ -157,7 +157,7 @@ out:
     return st;
 }
 
-ph_status fit_write(const fit_options *o, const fit_input *in, const ph_fit *fit,
+ph_status fit_write(const fit_options *o, const fit_input *in, const ph_prony_fit *fit,
                     ph_error *err)
 {
     ph_status st = PH_OK;

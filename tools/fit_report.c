@@ -13,7 +13,7 @@
 
 /* Comments before the block: what was fitted and how well. */
 static void print_comments(FILE *to, const fit_options *o, const fit_input *in,
-                           const ph_fit *fit)
+                           const ph_prony_fit *fit)
 {
     fprintf(to, "# %s data of %s: %td points, %s residuals\n", fit_kind_name(fit->kind),
             in->table->path, fit->n, fit_weights(o, in));
@@ -48,7 +48,7 @@ static void print_shift(FILE *to, const ph_shift *s)
                 s->activation_energy, s->reference);
 }
 
-ph_status fit_yaml(const fit_options *o, const fit_input *in, const ph_fit *fit,
+ph_status fit_yaml(const fit_options *o, const fit_input *in, const ph_prony_fit *fit,
                    char **text, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -91,7 +91,7 @@ static json_t *json_terms(int n, const ph_modulus_term *term, const char *what)
     return list;
 }
 
-static json_t *json_steps(const ph_fit *fit)
+static json_t *json_steps(const ph_prony_fit *fit)
 {
     json_t *list = json_array();
     for (int k = 0; k < fit->nsteps; k++)
@@ -131,15 +131,15 @@ static json_t *json_shift(const fit_input *in)
     return shift;
 }
 
-static json_t *json_creep(const ph_fit *fit)
+static json_t *json_creep(const ph_prony_fit *fit)
 {
-    if (fit->kind != PH_FIT_CREEP) return json_null();
+    if (fit->kind != PH_PRONY_CREEP) return json_null();
     return json_pack("{s:f,s:f,s:o}", "instantaneous", fit->instantaneous, "fluidity",
                      fit->fluidity, "terms",
                      json_terms(fit->nretardations, fit->retardation, "compliance"));
 }
 
-ph_status fit_json(const fit_options *o, const fit_input *in, const ph_fit *fit,
+ph_status fit_json(const fit_options *o, const fit_input *in, const ph_prony_fit *fit,
                    char **text, ph_error *err)
 {
     ph_status st = PH_OK;

@@ -13,7 +13,7 @@ static double dot(ptrdiff_t n, const double *x, const double *y)
     return sum;
 }
 
-void ph_i_qr(ptrdiff_t m, int n, int columns, double *a)
+void ph_i_qr_columns(ptrdiff_t m, int n, int columns, double *a)
 {
     for (int k = 0; k < n && k < m; k++) {
         double *v = a + k * m + k;
@@ -98,7 +98,7 @@ static void solve_free(problem *p)
     }
     double *b = p->q + (ptrdiff_t)count * p->rows;
     memcpy(b, p->b, bytes);
-    ph_i_qr(p->rows, count, count + 1, p->q);
+    ph_i_qr_columns(p->rows, count, count + 1, p->q);
     ph_i_back_substitute(p->rows, count, p->q, b, p->free_z);
     for (int k = 0; k < count; k++)
         p->z[p->column[k]] = p->free_z[k];
@@ -193,7 +193,7 @@ ph_status ph_i_nnls(ptrdiff_t m, int n, double *a, double *x, double *rss, ph_er
         for (ptrdiff_t i = 0; i < m; i++)
             c[i] *= scale[k];
     }
-    ph_i_qr(m, n + 1, n + 1, a); /* b is the last column */
+    ph_i_qr_columns(m, n + 1, n + 1, a); /* b is the last column */
     for (int k = 0; k <= n; k++)
         for (int i = 0; i < rows; i++)
             r[(ptrdiff_t)k * rows + i] = a[k * m + i];

@@ -7,7 +7,7 @@
 
 enum { MOST_ROWS = 100000, MOST_GRID = 400 };
 
-void ph_fit_free(ph_fit **fit)
+void ph_prony_fit_free(ph_prony_fit **fit)
 {
     if (!fit || !*fit) return;
     free((ph_modulus_term *)(uintptr_t)(*fit)->modulus.term); /* owned here */
@@ -32,14 +32,15 @@ out:
     return st;
 }
 
-static ph_status check_data(const ph_fit_data *d, const ph_fit_params *p, ph_error *err)
+static ph_status check_data(const ph_prony_data *d, const ph_prony_fit_params *p,
+                            ph_error *err)
 {
     static const char *const x_name[] = {"time", "time", "angular frequency"};
     static const char *const y_name[] = {"modulus", "compliance", "storage modulus"};
     ph_status st = PH_OK;
-    PH_CHECK(d->kind >= PH_FIT_RELAXATION && d->kind <= PH_FIT_DYNAMIC, PH_EINVAL,
+    PH_CHECK(d->kind >= PH_PRONY_RELAXATION && d->kind <= PH_PRONY_DYNAMIC, PH_EINVAL,
              "unknown kind of data %d", (int)d->kind);
-    const bool dynamic = d->kind == PH_FIT_DYNAMIC;
+    const bool dynamic = d->kind == PH_PRONY_DYNAMIC;
     PH_CHECK(d->n >= 3 && d->n <= MOST_ROWS, PH_EINVAL, "%td points: needs 3 to %d", d->n,
              MOST_ROWS);
     PH_CHECK(d->x && d->value && (d->loss != NULL) == dynamic, PH_EINVAL,
@@ -67,18 +68,18 @@ out:
     return st;
 }
 
-static ph_status check_params(const ph_fit_params *p, ph_error *err)
+static ph_status check_params(const ph_prony_fit_params *p, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_CHECK(p->terms >= 0 && p->terms <= PH_FIT_TERMS, PH_EINVAL,
-             "%d terms: 1 to %d, or 0 for the criterion", p->terms, PH_FIT_TERMS);
+    PH_CHECK(p->terms >= 0 && p->terms <= PH_PRONY_FIT_TERMS, PH_EINVAL,
+             "%d terms: 1 to %d, or 0 for the criterion", p->terms, PH_PRONY_FIT_TERMS);
     PH_CHECK(p->per_decade == 0 || (p->per_decade > 0 && p->per_decade <= 10), PH_EINVAL,
              "%g times per decade: more than 0, at most 10", p->per_decade);
     PH_CHECK(p->ntimes >= 0 && p->ntimes <= MOST_GRID && (p->ntimes == 0 || p->times),
              PH_EINVAL, "%d given times: at most %d", p->ntimes, MOST_GRID);
     PH_CHECK((p->terms > 0) + (p->per_decade > 0) + (p->ntimes > 0) <= 1, PH_EINVAL,
              "a number of terms, times per decade and given times exclude each other");
-    PH_CHECK(p->rest >= PH_FIT_AUTOMATIC && p->rest <= PH_FIT_FLUID, PH_EINVAL,
+    PH_CHECK(p->rest >= PH_PRONY_AUTOMATIC && p->rest <= PH_PRONY_FLUID, PH_EINVAL,
              "unknown choice %d of the equilibrium modulus", (int)p->rest);
     for (int k = 0; k < p->ntimes; k++) {
         PH_CHECK(p->times[k] >= 1e-60 && p->times[k] <= 1e60, PH_EINVAL,
@@ -93,7 +94,7 @@ out:
 
 /* ---- rows ---- */
 
-static void rows_free(ph_i_fit_rows *r)
+static void rows_free(ph_i_prony_fit_rows *r)
 {
     free(r->x);
     free(r->y);
@@ -101,11 +102,11 @@ static void rows_free(ph_i_fit_rows *r)
     free(r->is_loss);
 }
 
-static ph_status rows_new(const ph_fit_data *d, bool absolute, ph_i_fit_rows *r,
+static ph_status rows_new(const ph_prony_data *d, bool absolute, ph_i_prony_fit_rows *r,
                           ph_error *err)
 {
     ph_status st = PH_OK;
-    const bool dynamic = d->kind == PH_FIT_DYNAMIC;
+    const bool dynamic = d->kind == PH_PRONY_DYNAMIC;
     double largest = 0, least_x = INFINITY, most_x = 0;
     r->kind = d->kind;
     r->m = dynamic ? 2 * d->n : d->n;
@@ -136,9 +137,9 @@ out:
 /* ---- the result ---- */
 
 /* Coefficients of given or found times become the series; terms of no modulus go. */
-static ph_status take_series(const ph_i_fit_rows *r, bool constant, bool rate, int ntimes,
-                             const double *times, const double *c, ph_fit *fit,
-                             ph_error *err)
+static ph_status take_series(const ph_i_prony_fit_rows *r, bool constant, bool rate,
+                             int ntimes, const double *times, const double *c,
+                             ph_prony_fit *fit, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_modulus_term *term = NULL;
@@ -156,7 +157,7 @@ static ph_status take_series(const ph_i_fit_rows *r, bool constant, bool rate, i
             term[j] = term[j - 1];
         term[j] = (ph_modulus_term){.time = times[k], .modulus = c[k]};
     }
-    if (r->kind != PH_FIT_CREEP) {
+    if (r->kind != PH_PRONY_CREEP) {
         fit->modulus = (ph_modulus){.infinity = first, .nterms = n, .term = term};
         term = NULL;
         goto out;
@@ -176,37 +177,39 @@ out:
     return st;
 }
 
-double ph_fit_at(const ph_fit *fit, double x, double *loss)
+double ph_prony_fit_at(const ph_prony_fit *fit, double x, double *loss)
 {
-    const bool creep = fit->kind == PH_FIT_CREEP;
+    const bool creep = fit->kind == PH_PRONY_CREEP;
     const ph_modulus_term *term = creep ? fit->retardation : fit->modulus.term;
     const int n = creep ? fit->nretardations : fit->modulus.nterms;
     double at[2] = {x, x};
     bool is_loss[2] = {false, true};
-    const ph_i_fit_rows row = {.kind = fit->kind, .m = 2, .x = at, .is_loss = is_loss};
+    const ph_i_prony_fit_rows row = {
+        .kind = fit->kind, .m = 2, .x = at, .is_loss = is_loss};
     double sum = creep ? fit->instantaneous + x * fit->fluidity : fit->modulus.infinity;
     double imaginary = 0;
     for (int k = 0; k < n; k++) {
-        sum += term[k].modulus * ph_i_fit_basis(&row, 0, term[k].time, NULL);
-        if (fit->kind == PH_FIT_DYNAMIC)
-            imaginary += term[k].modulus * ph_i_fit_basis(&row, 1, term[k].time, NULL);
+        sum += term[k].modulus * ph_i_prony_fit_basis(&row, 0, term[k].time, NULL);
+        if (fit->kind == PH_PRONY_DYNAMIC)
+            imaginary +=
+                term[k].modulus * ph_i_prony_fit_basis(&row, 1, term[k].time, NULL);
     }
     if (loss) *loss = imaginary;
     return sum;
 }
 
-static ph_status measure(const ph_fit_data *d, const ph_i_fit_rows *r, ph_fit *fit,
-                         ph_error *err)
+static ph_status measure(const ph_prony_data *d, const ph_i_prony_fit_rows *r,
+                         ph_prony_fit *fit, ph_error *err)
 {
     ph_status st = PH_OK;
-    const bool dynamic = d->kind == PH_FIT_DYNAMIC;
+    const bool dynamic = d->kind == PH_PRONY_DYNAMIC;
     double sum = 0;
     fit->n = d->n;
     fit->nresiduals = r->m;
     PH_ALLOC(fit->value, d->n, "the values of a fit");
     if (dynamic) PH_ALLOC(fit->loss, d->n, "the values of a fit");
     for (ptrdiff_t i = 0; i < d->n; i++)
-        fit->value[i] = ph_fit_at(fit, d->x[i], dynamic ? &fit->loss[i] : NULL);
+        fit->value[i] = ph_prony_fit_at(fit, d->x[i], dynamic ? &fit->loss[i] : NULL);
     for (ptrdiff_t i = 0; i < r->m; i++) {
         double model = r->is_loss[i] ? fit->loss[i - d->n] : fit->value[i];
         double residual = r->weight[i] * (model - r->y[i]);
@@ -222,29 +225,29 @@ out:
 
 /* Whether the series has a constant (equilibrium modulus, instantaneous compliance) and a
  * rate (fluidity). */
-static bool has_constant(ph_fit_kind kind, bool fluid)
+static bool has_constant(ph_prony_kind kind, bool fluid)
 {
-    return kind == PH_FIT_CREEP || !fluid;
+    return kind == PH_PRONY_CREEP || !fluid;
 }
 
-static bool has_rate(ph_fit_kind kind, bool fluid)
+static bool has_rate(ph_prony_kind kind, bool fluid)
 {
-    return kind == PH_FIT_CREEP && fluid;
+    return kind == PH_PRONY_CREEP && fluid;
 }
 
-static double criterion_of(const ph_i_fit_rows *r, const ph_i_fit_model *m)
+static double criterion_of(const ph_i_prony_fit_rows *r, const ph_i_prony_fit_model *m)
 {
     int used = 0;
-    for (int e = 0; e < ph_i_fit_extras(m); e++)
+    for (int e = 0; e < ph_i_prony_fit_extras(m); e++)
         used += m->c[e] > 0;
-    return ph_i_fit_criterion(r, used, m->n, m->rss);
+    return ph_i_prony_fit_criterion(r, used, m->n, m->rss);
 }
 
-static int choose(const ph_i_fit_rows *r, const ph_i_fit_model best[PH_FIT_TERMS + 1],
-                  int want)
+static int choose(const ph_i_prony_fit_rows *r,
+                  const ph_i_prony_fit_model best[PH_PRONY_FIT_TERMS + 1], int want)
 {
     int chosen = -1;
-    for (int k = 0; k <= PH_FIT_TERMS; k++) {
+    for (int k = 0; k <= PH_PRONY_FIT_TERMS; k++) {
         if (best[k].rss < 0 || (want > 0 && k > want)) continue;
         if (chosen < 0 ||
             (want > 0 ? best[k].rss < best[chosen].rss
@@ -254,40 +257,40 @@ static int choose(const ph_i_fit_rows *r, const ph_i_fit_model best[PH_FIT_TERMS
     return chosen;
 }
 
-static ph_status record(const ph_i_fit_rows *r,
-                        const ph_i_fit_model best[PH_FIT_TERMS + 1], int chosen,
-                        ph_fit *fit, ph_error *err)
+static ph_status record(const ph_i_prony_fit_rows *r,
+                        const ph_i_prony_fit_model best[PH_PRONY_FIT_TERMS + 1],
+                        int chosen, ph_prony_fit *fit, ph_error *err)
 {
     ph_status st = PH_OK;
     free(fit->step);
     fit->step = NULL;
     fit->nsteps = 0;
-    PH_ALLOC(fit->step, PH_FIT_TERMS + 1, "the steps of a fit");
-    for (int k = 0; k <= PH_FIT_TERMS; k++) {
+    PH_ALLOC(fit->step, PH_PRONY_FIT_TERMS + 1, "the steps of a fit");
+    for (int k = 0; k <= PH_PRONY_FIT_TERMS; k++) {
         if (best[k].rss < 0) continue;
         if (k == chosen) fit->chosen = fit->nsteps;
         fit->step[fit->nsteps++] =
-            (ph_fit_step){.terms = k,
-                          .misfit = sqrt(best[k].rss / (double)r->m),
-                          .criterion = criterion_of(r, &best[k])};
+            (ph_prony_fit_step){.terms = k,
+                                .misfit = sqrt(best[k].rss / (double)r->m),
+                                .criterion = criterion_of(r, &best[k])};
     }
 out:
     return st;
 }
 
 /* Sought times, as a solid, as a fluid, or as what the criterion prefers. */
-static ph_status seek(const ph_i_fit_rows *r, const ph_fit_params *p, ph_fit *fit,
-                      ph_error *err)
+static ph_status seek(const ph_i_prony_fit_rows *r, const ph_prony_fit_params *p,
+                      ph_prony_fit *fit, ph_error *err)
 {
     ph_status st = PH_OK;
-    ph_i_fit_model *best = NULL, *model = NULL;
+    ph_i_prony_fit_model *best = NULL, *model = NULL;
     double least = INFINITY;
-    PH_ALLOC(best, PH_FIT_TERMS + 1, "the fit of a series");
+    PH_ALLOC(best, PH_PRONY_FIT_TERMS + 1, "the fit of a series");
     PH_ALLOC(model, 1, "the fit of a series");
     for (int fluid = 0; fluid < 2; fluid++) {
-        if (fluid ? p->rest == PH_FIT_SOLID : p->rest == PH_FIT_FLUID) continue;
-        PH_TRY(ph_i_fit_path(r, has_constant(r->kind, fluid), has_rate(r->kind, fluid),
-                             p->terms, best, err));
+        if (fluid ? p->rest == PH_PRONY_SOLID : p->rest == PH_PRONY_FLUID) continue;
+        PH_TRY(ph_i_prony_fit_path(r, has_constant(r->kind, fluid),
+                                   has_rate(r->kind, fluid), p->terms, best, err));
         int k = choose(r, best, p->terms);
         double now = criterion_of(r, &best[k]);
         if (now >= least) continue;
@@ -304,8 +307,9 @@ out:
 }
 
 /* Times that are given or on the grid. */
-static ph_status solve_given(const ph_i_fit_rows *r, const ph_fit_params *p, int ntimes,
-                             const double *times, ph_fit *fit, ph_error *err)
+static ph_status solve_given(const ph_i_prony_fit_rows *r, const ph_prony_fit_params *p,
+                             int ntimes, const double *times, ph_prony_fit *fit,
+                             ph_error *err)
 {
     ph_status st = PH_OK;
     double *c = NULL, *kept = NULL, rss = 0, least = INFINITY;
@@ -313,13 +317,13 @@ static ph_status solve_given(const ph_i_fit_rows *r, const ph_fit_params *p, int
     PH_ALLOC(c, ntimes + 2, "the fit of a series");
     PH_ALLOC(kept, ntimes + 2, "the fit of a series");
     for (int fluid = 0; fluid < 2; fluid++) {
-        if (fluid ? p->rest == PH_FIT_SOLID : p->rest == PH_FIT_FLUID) continue;
+        if (fluid ? p->rest == PH_PRONY_SOLID : p->rest == PH_PRONY_FLUID) continue;
         bool with = has_constant(r->kind, fluid), flows = has_rate(r->kind, fluid);
-        PH_TRY(ph_i_fit_solve(r, with, flows, ntimes, times, c, &rss, err));
+        PH_TRY(ph_i_prony_fit_solve(r, with, flows, ntimes, times, c, &rss, err));
         int extras = with + flows, used = 0;
         for (int k = 0; k < extras + ntimes; k++)
             used += c[k] > 0;
-        double now = ph_i_fit_criterion(r, used, 0, rss);
+        double now = ph_i_prony_fit_criterion(r, used, 0, rss);
         if (now >= least) continue;
         least = now;
         constant = with;
@@ -333,8 +337,8 @@ out:
     return st;
 }
 
-static ph_status solve_grid(const ph_i_fit_rows *r, const ph_fit_params *p, ph_fit *fit,
-                            ph_error *err)
+static ph_status solve_grid(const ph_i_prony_fit_rows *r, const ph_prony_fit_params *p,
+                            ph_prony_fit *fit, ph_error *err)
 {
     ph_status st = PH_OK;
     double *times = NULL;
@@ -354,14 +358,14 @@ out:
     return st;
 }
 
-ph_status ph_fit_prony(const ph_fit_data *data, const ph_fit_params *params, ph_fit **out,
-                       ph_error *err)
+ph_status ph_prony_fit_new(const ph_prony_data *data, const ph_prony_fit_params *params,
+                           ph_prony_fit **out, ph_error *err)
 {
     ph_status st = PH_OK;
-    static const ph_fit_params automatic = {.terms = 0};
-    const ph_fit_params *p = params ? params : &automatic;
-    ph_i_fit_rows rows = {.m = 0};
-    ph_fit *fit = NULL;
+    static const ph_prony_fit_params automatic = {.terms = 0};
+    const ph_prony_fit_params *p = params ? params : &automatic;
+    ph_i_prony_fit_rows rows = {.m = 0};
+    ph_prony_fit *fit = NULL;
     PH_TRY(check_params(p, err));
     PH_TRY(check_data(data, p, err));
     PH_ALLOC(fit, 1, "a fit");
@@ -378,6 +382,6 @@ ph_status ph_fit_prony(const ph_fit_data *data, const ph_fit_params *params, ph_
     fit = NULL;
 out:
     rows_free(&rows);
-    ph_fit_free(&fit);
+    ph_prony_fit_free(&fit);
     return st;
 }

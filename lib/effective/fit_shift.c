@@ -26,7 +26,7 @@ static int by_x(const void *a, const void *b)
 }
 
 /* Points of one temperature out of the data, into room that all curves share. */
-static void take_curve(const ph_fit_data *d, const double *temperature, double at,
+static void take_curve(const ph_prony_data *d, const double *temperature, double at,
                        bool loss, point *room, curve *c)
 {
     *c = (curve){.temperature = at, .nvalues = 1 + loss, .p = room};
@@ -108,7 +108,7 @@ static double best_move(const curve *a, const curve *b, double *left)
     return best;
 }
 
-static ph_status check_overlap(const ph_fit_data *d, const double *temperature,
+static ph_status check_overlap(const ph_prony_data *d, const double *temperature,
                                double reference, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -158,14 +158,14 @@ out:
     return st;
 }
 
-ph_status ph_fit_overlap(const ph_fit_data *data, const double *temperature,
-                         double reference, double *factor, double *gap, ph_error *err)
+ph_status ph_shift_overlap(const ph_prony_data *data, const double *temperature,
+                           double reference, double *factor, double *gap, ph_error *err)
 {
     ph_status st = PH_OK;
     curve *c = NULL;
     point *room = NULL;
     double *t = NULL, sum = 0;
-    bool loss = data->kind == PH_FIT_DYNAMIC && data->loss;
+    bool loss = data->kind == PH_PRONY_DYNAMIC && data->loss;
     PH_TRY(check_overlap(data, temperature, reference, err));
     for (ptrdiff_t i = 0; i < data->n && loss; i++)
         loss = data->loss[i] > 0;
@@ -183,7 +183,7 @@ ph_status ph_fit_overlap(const ph_fit_data *data, const double *temperature,
     PH_CHECK(c[middle].n >= LEAST, PH_EINVAL, "%d points at %g: a curve needs %d",
              c[middle].n, reference, LEAST);
     /* a_T of a time divides it, of a frequency multiplies it */
-    const double sign = data->kind == PH_FIT_DYNAMIC ? -1 : 1;
+    const double sign = data->kind == PH_PRONY_DYNAMIC ? -1 : 1;
     for (int k = middle + 1; k < n; k++)
         PH_TRY(join(&c[k], &c[k - 1], sign, &sum, err));
     for (int k = middle - 1; k >= 0; k--)

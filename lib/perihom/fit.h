@@ -11,49 +11,49 @@ extern "C" {
 #endif
 
 /** What was measured. */
-typedef enum ph_fit_kind {
-    PH_FIT_RELAXATION, /* M(t) after a step of strain */
-    PH_FIT_CREEP,      /* J(t) after a step of stress */
-    PH_FIT_DYNAMIC     /* M'(w) and M''(w) */
-} ph_fit_kind;
+typedef enum ph_prony_kind {
+    PH_PRONY_RELAXATION, /* M(t) after a step of strain */
+    PH_PRONY_CREEP,      /* J(t) after a step of stress */
+    PH_PRONY_DYNAMIC     /* M'(w) and M''(w) */
+} ph_prony_kind;
 
 /** Measurements of one modulus at one temperature, in any order; borrowed. */
-typedef struct ph_fit_data {
-    ph_fit_kind kind;
+typedef struct ph_prony_data {
+    ph_prony_kind kind;
     ptrdiff_t n;
     const double *x;     /* [n] time, or angular frequency (rad/time); > 0 */
     const double *value; /* [n] modulus, compliance or storage modulus; > 0 */
-    const double *loss;  /* [n] loss modulus, >= 0; NULL but for PH_FIT_DYNAMIC */
+    const double *loss;  /* [n] loss modulus, >= 0; NULL but for PH_PRONY_DYNAMIC */
     const double *value_sd, *loss_sd; /* [n] standard deviations > 0, or NULL */
-} ph_fit_data;
+} ph_prony_data;
 
-typedef enum ph_fit_rest {
-    PH_FIT_AUTOMATIC, /* an equilibrium modulus if the data need one */
-    PH_FIT_SOLID,     /* an equilibrium modulus (which may come out as zero) */
-    PH_FIT_FLUID      /* none */
-} ph_fit_rest;
+typedef enum ph_prony_rest {
+    PH_PRONY_AUTOMATIC, /* an equilibrium modulus if the data need one */
+    PH_PRONY_SOLID,     /* an equilibrium modulus (which may come out as zero) */
+    PH_PRONY_FLUID      /* none */
+} ph_prony_rest;
 
-enum { PH_FIT_TERMS = 40 }; /* most terms of a series whose times are sought */
+enum { PH_PRONY_FIT_TERMS = 40 }; /* most terms of a series whose times are sought */
 
 /** How to fit; zero is automatic for every member. */
-typedef struct ph_fit_params {
-    int terms;           /* so many, 1 .. PH_FIT_TERMS; 0: chosen by the criterion */
-    double per_decade;   /* > 0: times on the grid 10^(k/per_decade) instead of sought */
-    int ntimes;          /* > 0: these times */
+typedef struct ph_prony_fit_params {
+    int terms;         /* so many, 1 .. PH_PRONY_FIT_TERMS; 0: chosen by the criterion */
+    double per_decade; /* > 0: times on the grid 10^(k/per_decade) instead of sought */
+    int ntimes;        /* > 0: these times */
     const double *times; /* [ntimes], > 0, distinct, any order */
-    ph_fit_rest rest;
+    ph_prony_rest rest;
     bool absolute; /* without standard deviations: equal weights, not relative ones */
-} ph_fit_params;
+} ph_prony_fit_params;
 
 /** One number of terms that was tried. */
-typedef struct ph_fit_step {
+typedef struct ph_prony_fit_step {
     int terms;
     double misfit;    /* root mean square of the weighted residuals */
     double criterion; /* BIC */
-} ph_fit_step;
+} ph_prony_fit_step;
 
-typedef struct ph_fit {
-    ph_fit_kind kind;
+typedef struct ph_prony_fit {
+    ph_prony_kind kind;
     ph_modulus modulus; /* the series; term is owned, times increasing, moduli > 0 */
     /* Creep only: J(t) = instantaneous + sum compliance (1 - exp(-t/time)) + t fluidity. */
     double instantaneous, fluidity;
@@ -66,9 +66,9 @@ typedef struct ph_fit {
     double misfit;        /* root mean square of the weighted residuals */
     double worst;         /* largest weighted residual */
     int nsteps;           /* numbers of terms that were tried; 0 with given times */
-    ph_fit_step *step;
+    ph_prony_fit_step *step;
     int chosen; /* index into step */
-} ph_fit;
+} ph_prony_fit;
 
 /** Fit a Prony series with non-negative moduli.
  *
@@ -85,12 +85,13 @@ typedef struct ph_fit {
  *          (values not positive); PH_ESINGULAR (creep data without instantaneous compliance:
  *          the modulus would begin at infinity); PH_ENOMEM. `out` untouched on failure.
  *  Cost: O(m terms^2) a step of the times. Tested: tests/cross/test_fit.c */
-PH_API ph_status ph_fit_prony(const ph_fit_data *data, const ph_fit_params *params,
-                              ph_fit **out, ph_error *err);
-PH_API void ph_fit_free(ph_fit **fit);
+PH_API ph_status ph_prony_fit_new(const ph_prony_data *data,
+                                  const ph_prony_fit_params *params, ph_prony_fit **out,
+                                  ph_error *err);
+PH_API void ph_prony_fit_free(ph_prony_fit **fit);
 
 /** M(t), J(t) or M'(w) of the fit, and M''(w) in *loss where dynamic (may be NULL). */
-PH_API double ph_fit_at(const ph_fit *fit, double x, double *loss);
+PH_API double ph_prony_fit_at(const ph_prony_fit *fit, double x, double *loss);
 
 /** The series of moduli of a creep compliance
  *      J(s) = instantaneous + sum J_k / (1 + s t_k) + fluidity / s,   M(s) = 1 / J(s)
@@ -118,9 +119,9 @@ PH_API ph_status ph_modulus_of_creep(double instantaneous, int n,
  *  @return PH_OK; PH_EINVAL (reference not there, a curve of fewer than 3 points, no overlap
  *          of neighbours however they are shifted); PH_ENOMEM.
  *  Tested: tests/cross/test_fit_shift.c */
-PH_API ph_status ph_fit_overlap(const ph_fit_data *data, const double *temperature,
-                                double reference, double *factor, double *gap,
-                                ph_error *err);
+PH_API ph_status ph_shift_overlap(const ph_prony_data *data, const double *temperature,
+                                  double reference, double *factor, double *gap,
+                                  ph_error *err);
 
 /** The WLF or Arrhenius law nearest to shift factors: least squares of ln a_T.
  *  @param[in]  n temperatures besides the reference: at least 2 (WLF), 1 (Arrhenius)

@@ -11,7 +11,7 @@ typedef struct sample {
     ph_modulus_term term[TERMS];
     ph_modulus modulus;
     double x[POINTS], value[POINTS], loss[POINTS];
-    ph_fit_data data;
+    ph_prony_data data;
 } sample;
 
 static void set_series(sample *s, double infinity, int n, const double *time,
@@ -23,7 +23,7 @@ static void set_series(sample *s, double infinity, int n, const double *time,
 }
 
 /* Values written out here, not by the library. */
-static void measure(sample *s, ph_fit_kind kind, int n, double first, double last)
+static void measure(sample *s, ph_prony_kind kind, int n, double first, double last)
 {
     for (int i = 0; i < n; i++) {
         double x = first * pow(last / first, i / (n - 1.0));
@@ -32,7 +32,7 @@ static void measure(sample *s, ph_fit_kind kind, int n, double first, double las
         s->loss[i] = 0;
         for (int k = 0; k < s->modulus.nterms; k++) {
             double M = s->term[k].modulus, z = x * s->term[k].time;
-            if (kind == PH_FIT_DYNAMIC) {
+            if (kind == PH_PRONY_DYNAMIC) {
                 s->value[i] += M * z * z / (1 + z * z);
                 s->loss[i] += M * z / (1 + z * z);
             } else {
@@ -40,11 +40,11 @@ static void measure(sample *s, ph_fit_kind kind, int n, double first, double las
             }
         }
     }
-    s->data = (ph_fit_data){.kind = kind,
-                            .n = n,
-                            .x = s->x,
-                            .value = s->value,
-                            .loss = kind == PH_FIT_DYNAMIC ? s->loss : NULL};
+    s->data = (ph_prony_data){.kind = kind,
+                              .n = n,
+                              .x = s->x,
+                              .value = s->value,
+                              .loss = kind == PH_PRONY_DYNAMIC ? s->loss : NULL};
 }
 
 /* Multiplicative noise of this size, about normal: the sum of 12 uniform numbers. */
@@ -59,11 +59,11 @@ static void add_noise(sample *s, double size, uint64_t *seed)
         }
 }
 
-static ph_fit *fit_of(const ph_fit_data *data, const ph_fit_params *params)
+static ph_prony_fit *fit_of(const ph_prony_data *data, const ph_prony_fit_params *params)
 {
     ph_error err = PH_ERROR_INIT;
-    ph_fit *fit = NULL;
-    ph_status st = ph_fit_prony(data, params, &fit, &err);
+    ph_prony_fit *fit = NULL;
+    ph_status st = ph_prony_fit_new(data, params, &fit, &err);
     if (st != PH_OK) fail_msg("%s", err.msg);
     return fit;
 }
@@ -88,19 +88,18 @@ static void test_grid_is_exact(void **state)
     sample s;
     set_series(&s, 0.35, 5, five_times, five_moduli);
     for (int kind = 0; kind < 3; kind += 2) {
-        measure(&s, (ph_fit_kind)kind, 90, kind ? 1e-5 : 1e-5, 1e5);
-        ph_fit *fit = fit_of(&s.data, &(ph_fit_params){.per_decade = 1});
+        measure(&s, (ph_prony_kind)kind, 90, kind ? 1e-5 : 1e-5, 1e5);
+        ph_prony_fit *fit = fit_of(&s.data, &(ph_prony_fit_params){.per_decade = 1});
         check_series(&fit->modulus, &s.modulus, 1e-10);
         CHECK(fit->misfit < 1e-12 && fit->nsteps == 0);
-        ph_fit_free(&fit);
-        fit = fit_of(&s.data, &(ph_fit_params){.ntimes = 5, .times = five_times});
+        ph_prony_fit_free(&fit);
+        fit = fit_of(&s.data, &(ph_prony_fit_params){.ntimes = 5, .times = five_times});
         check_series(&fit->modulus, &s.modulus, 1e-10);
-        ph_fit_free(&fit);
-        fit =
-            fit_of(&s.data,
-                   &(ph_fit_params){.ntimes = 5, .times = five_times, .absolute = true});
+        ph_prony_fit_free(&fit);
+        fit = fit_of(&s.data, &(ph_prony_fit_params){
+                                  .ntimes = 5, .times = five_times, .absolute = true});
         check_series(&fit->modulus, &s.modulus, 1e-10);
-        ph_fit_free(&fit);
+        ph_prony_fit_free(&fit);
         CHECK(fit == NULL);
     }
     CHECK_END();
@@ -116,12 +115,12 @@ static void test_sought_times_are_found(void **state)
     for (int fluid = 0; fluid < 2; fluid++)
         for (int kind = 0; kind < 3; kind += 2) {
             set_series(&s, fluid ? 0 : 0.2, 4, time, modulus);
-            measure(&s, (ph_fit_kind)kind, 120, kind ? 1e-4 : 1e-5, kind ? 1e5 : 1e4);
-            ph_fit *fit = fit_of(&s.data, NULL);
+            measure(&s, (ph_prony_kind)kind, 120, kind ? 1e-4 : 1e-5, kind ? 1e5 : 1e4);
+            ph_prony_fit *fit = fit_of(&s.data, NULL);
             check_series(&fit->modulus, &s.modulus, 1e-6);
             CHECK(fit->misfit < 1e-8);
             CHECK(fit->step[fit->chosen].terms == 4);
-            ph_fit_free(&fit);
+            ph_prony_fit_free(&fit);
         }
     CHECK_END();
 }
@@ -136,11 +135,11 @@ static void test_dynamic_agrees_with_relaxation(void **state)
     const double noise = 0.01;
     set_series(&a, 0.35, 5, five_times, five_moduli);
     set_series(&b, 0.35, 5, five_times, five_moduli);
-    measure(&a, PH_FIT_RELAXATION, 100, 1e-4, 1e4);
-    measure(&b, PH_FIT_DYNAMIC, 100, 1e-4, 1e4);
+    measure(&a, PH_PRONY_RELAXATION, 100, 1e-4, 1e4);
+    measure(&b, PH_PRONY_DYNAMIC, 100, 1e-4, 1e4);
     add_noise(&a, noise, &seed);
     add_noise(&b, noise, &seed);
-    ph_fit *one = fit_of(&a.data, NULL), *two = fit_of(&b.data, NULL);
+    ph_prony_fit *one = fit_of(&a.data, NULL), *two = fit_of(&b.data, NULL);
     for (int i = 0; i < 100; i++) {
         double t = a.x[i], M = one->modulus.infinity, N = two->modulus.infinity;
         for (int k = 0; k < one->modulus.nterms; k++)
@@ -150,8 +149,8 @@ static void test_dynamic_agrees_with_relaxation(void **state)
         /* some 11 parameters share 100 or 200 points: errors below the noise, added */
         CHECK_REL(M, N, 3 * noise);
     }
-    ph_fit_free(&one);
-    ph_fit_free(&two);
+    ph_prony_fit_free(&one);
+    ph_prony_fit_free(&two);
     CHECK_END();
 }
 
@@ -164,12 +163,12 @@ static void test_noise(void **state)
     for (int trial = 0; trial < check_trials(6); trial++) {
         static sample s, truth;
         const double noise = trial % 2 ? 0.02 : 0.003;
-        ph_fit_kind kind = trial % 3 == 0 ? PH_FIT_DYNAMIC : PH_FIT_RELAXATION;
+        ph_prony_kind kind = trial % 3 == 0 ? PH_PRONY_DYNAMIC : PH_PRONY_RELAXATION;
         set_series(&s, 0.35, 5, five_times, five_moduli);
         measure(&s, kind, 150, 1e-5, 1e5);
         truth = s;
         add_noise(&s, noise, &seed);
-        ph_fit *fit = fit_of(&s.data, NULL);
+        ph_prony_fit *fit = fit_of(&s.data, NULL);
         double off = 0, m = (double)fit->nresiduals;
         CHECK(fit->modulus.nterms >= 3 && fit->modulus.nterms <= 7);
         /* chi of m residuals: within 5 standard deviations 1/sqrt(2m), less what the
@@ -183,7 +182,7 @@ static void test_noise(void **state)
         for (int k = 0; k < fit->modulus.nterms; k++)
             CHECK(fit->modulus.term[k].modulus > 0 && fit->modulus.term[k].time > 0 &&
                   (k == 0 || fit->modulus.term[k].time > fit->modulus.term[k - 1].time));
-        ph_fit_free(&fit);
+        ph_prony_fit_free(&fit);
         /* the true standard deviations instead of an unknown one: the same picture */
         static double sd[POINTS], loss_sd[POINTS];
         for (int i = 0; i < 150; i++) {
@@ -191,11 +190,11 @@ static void test_noise(void **state)
             loss_sd[i] = noise * truth.loss[i];
         }
         s.data.value_sd = sd;
-        if (kind == PH_FIT_DYNAMIC) s.data.loss_sd = loss_sd;
+        if (kind == PH_PRONY_DYNAMIC) s.data.loss_sd = loss_sd;
         fit = fit_of(&s.data, NULL);
         CHECK(fit->misfit > 1 - 5 / sqrt(2 * m) - 15 / m);
         CHECK(fit->misfit < 1 + 5 / sqrt(2 * m));
-        ph_fit_free(&fit);
+        ph_prony_fit_free(&fit);
     }
     CHECK_END();
 }
@@ -206,14 +205,14 @@ static void test_chosen_number(void **state)
     (void)state;
     sample s;
     set_series(&s, 0.35, 5, five_times, five_moduli);
-    measure(&s, PH_FIT_RELAXATION, 90, 1e-5, 1e5);
+    measure(&s, PH_PRONY_RELAXATION, 90, 1e-5, 1e5);
     double before = INFINITY;
     for (int n = 1; n <= 5; n++) {
-        ph_fit *fit = fit_of(&s.data, &(ph_fit_params){.terms = n});
+        ph_prony_fit *fit = fit_of(&s.data, &(ph_prony_fit_params){.terms = n});
         CHECK(fit->modulus.nterms == n && fit->misfit < 0.7 * before);
         CHECK(fit->step[fit->nsteps - 1].terms == n);
         before = fit->misfit;
-        ph_fit_free(&fit);
+        ph_prony_fit_free(&fit);
     }
     CHECK(before < 1e-8);
     CHECK_END();
@@ -330,18 +329,18 @@ static void test_creep_data(void **state)
             for (int k = 0; k < 3; k++)
                 J[i] += r[k].modulus * (1 - exp(-t[i] / r[k].time));
         }
-        const ph_fit_data data = {.kind = PH_FIT_CREEP, .n = 100, .x = t, .value = J};
+        const ph_prony_data data = {.kind = PH_PRONY_CREEP, .n = 100, .x = t, .value = J};
         ph_modulus_term m[4];
         ph_modulus want = {.term = m};
         CHECK_OK(ph_modulus_of_creep(J0, 3, r, fluidity, &want.infinity, &want.nterms, m,
                                      &err));
-        ph_fit *fit = fit_of(&data, NULL);
+        ph_prony_fit *fit = fit_of(&data, NULL);
         check_series(&fit->modulus, &want, 1e-6);
         CHECK_REL(fit->instantaneous, J0, 1e-6);
         CHECK_ABS(fit->fluidity, fluidity, 1e-8);
         for (int i = 0; i < 100; i++)
             CHECK_REL(fit->value[i], J[i], 1e-8);
-        ph_fit_free(&fit);
+        ph_prony_fit_free(&fit);
     }
     CHECK_END();
 }
@@ -354,27 +353,27 @@ static void test_order_and_repetition(void **state)
     (void)state;
     sample s;
     set_series(&s, 0.35, 5, five_times, five_moduli);
-    measure(&s, PH_FIT_RELAXATION, 80, 1e-5, 1e5);
-    ph_fit *one = fit_of(&s.data, &(ph_fit_params){.per_decade = 1});
+    measure(&s, PH_PRONY_RELAXATION, 80, 1e-5, 1e5);
+    ph_prony_fit *one = fit_of(&s.data, &(ph_prony_fit_params){.per_decade = 1});
     double x[160], y[160];
     for (int i = 0; i < 160; i++) {
         x[i] = s.x[(37 * i) % 80];
         y[i] = s.value[(37 * i) % 80];
     }
-    const ph_fit_data twice = {.n = 160, .x = x, .value = y};
-    ph_fit *two = fit_of(&twice, &(ph_fit_params){.per_decade = 1});
+    const ph_prony_data twice = {.n = 160, .x = x, .value = y};
+    ph_prony_fit *two = fit_of(&twice, &(ph_prony_fit_params){.per_decade = 1});
     check_series(&two->modulus, &one->modulus, 1e-10);
-    ph_fit_free(&one);
-    ph_fit_free(&two);
+    ph_prony_fit_free(&one);
+    ph_prony_fit_free(&two);
     CHECK_END();
 }
 
-static void check_bad(const ph_fit_data *d, const ph_fit_params *p, ph_status want,
-                      const char *says)
+static void check_bad(const ph_prony_data *d, const ph_prony_fit_params *p,
+                      ph_status want, const char *says)
 {
     ph_error err = PH_ERROR_INIT;
-    ph_fit *fit = NULL;
-    CHECK(ph_fit_prony(d, p, &fit, &err) == want && fit == NULL);
+    ph_prony_fit *fit = NULL;
+    CHECK(ph_prony_fit_new(d, p, &fit, &err) == want && fit == NULL);
     if (!strstr(err.msg, says)) {
         print_error("'%s' does not say '%s'\n", err.msg, says);
         CHECK(false);
@@ -385,7 +384,7 @@ static void test_bad_data(void **state)
 {
     (void)state;
     double x[] = {1, 2, 3, 4}, y[] = {4, 3, 2, 1}, loss[] = {1, 1, 1, 1};
-    ph_fit_data d = {.n = 4, .x = x, .value = y};
+    ph_prony_data d = {.n = 4, .x = x, .value = y};
     d.n = 1;
     check_bad(&d, NULL, PH_EINVAL, "1 points: needs 3");
     d.n = 0;
@@ -403,7 +402,7 @@ static void test_bad_data(void **state)
     y[2] = 2;
     d.value = NULL;
     check_bad(&d, NULL, PH_EINVAL, "values are missing");
-    d = (ph_fit_data){.kind = PH_FIT_DYNAMIC, .n = 4, .x = x, .value = y};
+    d = (ph_prony_data){.kind = PH_PRONY_DYNAMIC, .n = 4, .x = x, .value = y};
     check_bad(&d, NULL, PH_EINVAL, "need a loss modulus");
     d.loss = loss;
     loss[3] = 0;
@@ -413,13 +412,13 @@ static void test_bad_data(void **state)
     loss[3] = 1;
     d.value_sd = y;
     check_bad(&d, NULL, PH_EINVAL, "of both moduli or of none");
-    d = (ph_fit_data){.n = 4, .x = x, .value = y, .value_sd = loss};
+    d = (ph_prony_data){.n = 4, .x = x, .value = y, .value_sd = loss};
     loss[0] = 0;
     check_bad(&d, NULL, PH_EUNPHYSICAL, "point 1: standard deviation 0");
-    d = (ph_fit_data){.kind = (ph_fit_kind)5, .n = 4, .x = x, .value = y};
+    d = (ph_prony_data){.kind = (ph_prony_kind)5, .n = 4, .x = x, .value = y};
     check_bad(&d, NULL, PH_EINVAL, "unknown kind of data 5");
     /* compliance that is pure flow: no instantaneous part */
-    d = (ph_fit_data){.kind = PH_FIT_CREEP, .n = 4, .x = x, .value = x};
+    d = (ph_prony_data){.kind = PH_PRONY_CREEP, .n = 4, .x = x, .value = x};
     check_bad(&d, NULL, PH_ESINGULAR, "do not begin early enough");
     CHECK_END();
 }
@@ -429,13 +428,13 @@ static void test_bad_parameters(void **state)
     (void)state;
     const double x[] = {1, 2, 3}, twice[] = {1, 1}, negative[] = {-1};
     const double late[] = {20, 30, 40}; /* no power of 10^10 is near */
-    const ph_fit_data d = {.n = 3, .x = late, .value = x};
+    const ph_prony_data d = {.n = 3, .x = late, .value = x};
     const struct {
-        ph_fit_params p;
+        ph_prony_fit_params p;
         const char *says;
     } bad[] = {
         {{.terms = -1}, "-1 terms"},
-        {{.terms = PH_FIT_TERMS + 1}, "41 terms: 1 to 40"},
+        {{.terms = PH_PRONY_FIT_TERMS + 1}, "41 terms: 1 to 40"},
         {{.per_decade = -1}, "-1 times per decade"},
         {{.per_decade = NAN}, "times per decade"},
         {{.per_decade = 0.1}, "none lies in the range"},
@@ -443,7 +442,7 @@ static void test_bad_parameters(void **state)
         {{.ntimes = 1, .times = negative}, "given time -1"},
         {{.ntimes = 1}, "1 given times"},
         {{.ntimes = 1, .times = x, .terms = 2}, "exclude each other"},
-        {{.rest = (ph_fit_rest)9}, "unknown choice 9"},
+        {{.rest = (ph_prony_rest)9}, "unknown choice 9"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         check_bad(&d, &bad[i].p, PH_EINVAL, bad[i].says);
@@ -456,18 +455,18 @@ static void test_odd_data(void **state)
     (void)state;
     const double x[] = {1, 2, 3, 5, 8}, flat[] = {2, 2, 2, 2, 2};
     const double rising[] = {1, 2, 3, 4, 5};
-    ph_fit *fit = fit_of(&(ph_fit_data){.n = 5, .x = x, .value = flat}, NULL);
+    ph_prony_fit *fit = fit_of(&(ph_prony_data){.n = 5, .x = x, .value = flat}, NULL);
     CHECK(fit->modulus.nterms == 0);
     CHECK_ABS(fit->modulus.infinity, 2, 1e-13);
-    ph_fit_free(&fit);
-    fit = fit_of(&(ph_fit_data){.n = 5, .x = x, .value = rising}, NULL);
+    ph_prony_fit_free(&fit);
+    fit = fit_of(&(ph_prony_data){.n = 5, .x = x, .value = rising}, NULL);
     CHECK(fit->modulus.nterms == 0 && fit->modulus.infinity > 1 && fit->misfit > 0.3);
-    ph_fit_free(&fit);
-    fit = fit_of(&(ph_fit_data){.n = 5, .x = x, .value = flat},
-                 &(ph_fit_params){.rest = PH_FIT_FLUID, .terms = 1});
+    ph_prony_fit_free(&fit);
+    fit = fit_of(&(ph_prony_data){.n = 5, .x = x, .value = flat},
+                 &(ph_prony_fit_params){.rest = PH_PRONY_FLUID, .terms = 1});
     CHECK(fit->modulus.infinity == 0 && fit->modulus.nterms == 1);
-    ph_fit_free(&fit);
-    ph_fit_free(NULL);
+    ph_prony_fit_free(&fit);
+    ph_prony_fit_free(NULL);
     CHECK_END();
 }
 

@@ -13,11 +13,11 @@ static const ph_shift arrhenius = {
 
 typedef struct curves {
     double x[ALL], value[ALL], loss[ALL], temperature[ALL];
-    ph_fit_data data;
+    ph_prony_data data;
 } curves;
 
 /* A broad material: six terms a decade apart; each curve spans three decades. */
-static void measure(ph_fit_kind kind, const ph_shift *law, curves *c)
+static void measure(ph_prony_kind kind, const ph_shift *law, curves *c)
 {
     for (int i = 0; i < ALL; i++) {
         double a, x = pow(10, -1.5 + 3.0 * (i % EACH) / (EACH - 1));
@@ -29,7 +29,7 @@ static void measure(ph_fit_kind kind, const ph_shift *law, curves *c)
         c->loss[i] = 0;
         for (int k = 0; k < 9; k++) {
             double tau = a * pow(10, k - 4), z = x * tau;
-            if (kind == PH_FIT_DYNAMIC) {
+            if (kind == PH_PRONY_DYNAMIC) {
                 c->value[i] += z * z / (1 + z * z) / (k + 1);
                 c->loss[i] += z / (1 + z * z) / (k + 1);
             } else {
@@ -37,11 +37,11 @@ static void measure(ph_fit_kind kind, const ph_shift *law, curves *c)
             }
         }
     }
-    c->data = (ph_fit_data){.kind = kind,
-                            .n = ALL,
-                            .x = c->x,
-                            .value = c->value,
-                            .loss = kind == PH_FIT_DYNAMIC ? c->loss : NULL};
+    c->data = (ph_prony_data){.kind = kind,
+                              .n = ALL,
+                              .x = c->x,
+                              .value = c->value,
+                              .loss = kind == PH_PRONY_DYNAMIC ? c->loss : NULL};
 }
 
 static void test_overlap(void **state)
@@ -52,8 +52,8 @@ static void test_overlap(void **state)
     double factor[ALL], gap;
     const ph_shift *const laws[] = {&wlf, &arrhenius};
     for (int k = 0; k < 4; k++) {
-        measure(k < 2 ? PH_FIT_RELAXATION : PH_FIT_DYNAMIC, laws[k % 2], &c);
-        CHECK_OK(ph_fit_overlap(&c.data, c.temperature, 120, factor, &gap, &err));
+        measure(k < 2 ? PH_PRONY_RELAXATION : PH_PRONY_DYNAMIC, laws[k % 2], &c);
+        CHECK_OK(ph_shift_overlap(&c.data, c.temperature, 120, factor, &gap, &err));
         for (int i = 0; i < ALL; i += EACH) {
             double a;
             CHECK_OK(ph_shift_factor(laws[k % 2], c.temperature[i], 273.15, &a, &err));
@@ -76,15 +76,16 @@ static void test_master_curve(void **state)
     ph_error err = PH_ERROR_INIT;
     static curves c;
     double a;
-    measure(PH_FIT_RELAXATION, &wlf, &c);
+    measure(PH_PRONY_RELAXATION, &wlf, &c);
     for (int i = 0; i < ALL; i++) {
         CHECK_OK(ph_shift_factor(&wlf, c.temperature[i], 273.15, &a, &err));
         c.x[i] /= a;
     }
-    ph_fit *fit = NULL;
-    CHECK_OK(ph_fit_prony(&c.data, &(ph_fit_params){.per_decade = 1}, &fit, &err));
+    ph_prony_fit *fit = NULL;
+    CHECK_OK(
+        ph_prony_fit_new(&c.data, &(ph_prony_fit_params){.per_decade = 1}, &fit, &err));
     CHECK(fit && fit->misfit < 1e-11);
-    ph_fit_free(&fit);
+    ph_prony_fit_free(&fit);
     CHECK_END();
 }
 
@@ -127,21 +128,21 @@ static void test_refused(void **state)
     static curves c;
     double factor[ALL], T[2] = {100, 130}, a[2] = {10, 0.1}, misfit;
     ph_shift law;
-    measure(PH_FIT_RELAXATION, &wlf, &c);
-    CHECK(ph_fit_overlap(&c.data, c.temperature, 121, factor, NULL, &err) == PH_EINVAL);
+    measure(PH_PRONY_RELAXATION, &wlf, &c);
+    CHECK(ph_shift_overlap(&c.data, c.temperature, 121, factor, NULL, &err) == PH_EINVAL);
     CHECK(strstr(err.msg, "no data at the reference temperature 121"));
     err = (ph_error)PH_ERROR_INIT;
     for (int i = 0; i < EACH; i++) /* the lowest temperature: a thousand times stiffer */
         c.value[i] *= 1e3;
     /* curves can always be laid over each other, but not well: the gap says so */
     double gap;
-    CHECK_OK(ph_fit_overlap(&c.data, c.temperature, 120, factor, &gap, &err));
+    CHECK_OK(ph_shift_overlap(&c.data, c.temperature, 120, factor, &gap, &err));
     CHECK(gap > 1);
     c.data.n = EACH + 2;
-    CHECK(ph_fit_overlap(&c.data, c.temperature, 105, factor, NULL, &err) == PH_EINVAL);
+    CHECK(ph_shift_overlap(&c.data, c.temperature, 105, factor, NULL, &err) == PH_EINVAL);
     CHECK(strstr(err.msg, "2 points at 110: a curve needs 3"));
     c.x[3] = 0;
-    CHECK(ph_fit_overlap(&c.data, c.temperature, 105, factor, NULL, NULL) == PH_EINVAL);
+    CHECK(ph_shift_overlap(&c.data, c.temperature, 105, factor, NULL, NULL) == PH_EINVAL);
     CHECK(ph_shift_fit(PH_SHIFT_NONE, 2, T, a, 120, 0, &law, &misfit, NULL) == PH_EINVAL);
     CHECK(ph_shift_fit(PH_SHIFT_WLF, 1, T, a, 120, 0, &law, &misfit, NULL) == PH_EINVAL);
     CHECK(ph_shift_fit(PH_SHIFT_WLF, 0, T, a, 120, 0, &law, &misfit, NULL) == PH_EINVAL);
