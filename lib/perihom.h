@@ -40,6 +40,7 @@
 #include <perihom/prony.h>
 #include <perihom/quantity.h>
 #include <perihom/shift.h>
+#include <perihom/relaxation.h>
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
