@@ -39,8 +39,8 @@
 #include <perihom/plot.h>
 #include <perihom/prony.h>
 #include <perihom/quantity.h>
-#include <perihom/shift.h>
 #include <perihom/relaxation.h>
+#include <perihom/shift.h>
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
