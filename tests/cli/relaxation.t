@@ -62,3 +62,9 @@ $ perihom bounds relaxing.yaml --json > b; json_get equilibrium.methods.0.name <
 $ perihom bounds relaxing.yaml --set 'materials.matrix={bulk: 4, shear: {infinity: 0, terms: [{modulus: 1, time: 1}]}}' | grep -c '^voigt'
 > 1
 ! *no bounds at equilibrium: material 'matrix': its stiffness at s = 0 is singular
+
+$ perihom view relaxing-results
+> relaxing-results/relaxation.png
+> relaxing-results/dynamic.png
+> relaxing-results/tan-delta.png
+> relaxing-results/response.png
