@@ -52,6 +52,10 @@ void ph_i_operator_free(ph_operator **out);
 /** Multiply the coefficient of (S) that the operator was made with. @param factor >= 0 */
 void ph_i_operator_stabilise(ph_operator *op, double factor);
 
+/** Springs of other moduli, where the tables of their classes have changed.
+ *  @return PH_OK; PH_ENOMEM: then there are no springs */
+ph_status ph_i_operator_renew_springs(ph_operator *op, ph_error *err);
+
 /** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
 void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);
 /** Make ready for ph_i_operator_apply: a solver whose vectors are fields calls it once. */
