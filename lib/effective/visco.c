@@ -60,7 +60,8 @@ static double least_eigenvalue(const ph_visco *v)
     if (v->run.setting.fixed || v->run.constraint->by_stress) return 0.0;
     if (strcmp(v->run.solver->info.name, "fft_cg") != 0) return 0.0;
     if (v->run.op->springs)
-        return fmin(1.0, ph_i_bond_functions_least(v->run.classes) / map->middle.m[0][0]);
+        return fmin(1.0, ph_i_bond_functions_least(&v->bonds, v->run.classes) /
+                             map->middle.m[0][0]);
     if (map->has_void) return 0.0;
     for (int p = 0; p < map->materials; p++) {
         if (!map->used[p]) continue;

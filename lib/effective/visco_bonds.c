@@ -114,31 +114,24 @@ out:
     return st;
 }
 
-static bool *classes_there(const ph_bond_classes *c)
-{
-    bool *there = calloc((size_t)c->count, sizeof *there);
-    for (ptrdiff_t x = 0; there && x < c->cells; x++)
-        there[c->class[x]] = true;
-    return there;
-}
-
 ph_status ph_i_bond_functions_new(const ph_bond_classes *c,
                                   const ph_microstructure *micro, ph_bond_functions *out,
                                   ph_error *err)
 {
     ph_status st = PH_OK;
     ph_decay *phase = NULL;
-    bool *there = classes_there(c);
     size_t n = (size_t)(c->count * c->count);
     *out = (ph_bond_functions){0};
-    PH_CHECK(there, PH_ENOMEM, "no memory for bond classes");
+    PH_ALLOC(out->there, c->count, "bond classes");
+    for (ptrdiff_t x = 0; x < c->cells; x++)
+        out->there[c->class[x]] = true;
     PH_ALLOC(phase, micro->nmaterials, "functions of the phases");
     PH_ALLOC(out->of, n, "functions of bonds");
     PH_ALLOC(out->of_apart, n, "functions of bonds");
     PH_ALLOC(out->first, n, "moduli of bonds");
     PH_ALLOC(out->first_apart, n, "moduli of bonds");
     for (int p = 0; p < micro->nmaterials; p++)
-        if ((there[2 * p] || there[2 * p + 1]) && !micro->materials[p].is_void)
+        if ((out->there[2 * p] || out->there[2 * p + 1]) && !micro->materials[p].is_void)
             PH_TRY(decay_of_phase(&micro->materials[p], &phase[p], err));
     PH_TRY(fill(out, c, phase, c->how, c->pair, out->of, out->first, err));
     PH_TRY(fill(out, c, phase, c->how_apart, c->apart, out->of_apart, out->first_apart,
@@ -147,7 +140,6 @@ out:
     for (int p = 0; phase && p < micro->nmaterials; p++)
         ph_i_decay_clear(&phase[p]);
     free(phase);
-    free(there);
     if (st != PH_OK) ph_i_bond_functions_clear(out);
     return st;
 }
@@ -157,6 +149,7 @@ void ph_i_bond_functions_clear(ph_bond_functions *f)
     for (int q = 0; q < f->count; q++)
         ph_i_decay_clear(&f->function[q]);
     free(f->function);
+    free(f->there);
     free(f->of);
     free(f->of_apart);
     free(f->first);
@@ -181,18 +174,15 @@ void ph_i_bond_functions_set(const ph_bond_functions *f, double s, int function,
     }
 }
 
-double ph_i_bond_functions_least(const ph_bond_classes *c)
+double ph_i_bond_functions_least(const ph_bond_functions *f, const ph_bond_classes *c)
 {
-    bool *there = classes_there(c);
     double least = INFINITY;
-    if (!there) return 0.0; /* no bound is known */
     for (int a = 0; a < c->count; a++)
-        for (int b = 0; there[a] && b < c->count; b++) {
+        for (int b = 0; f->there[a] && b < c->count; b++) {
             int at = a * c->count + b;
-            if (!there[b]) continue;
+            if (!f->there[b]) continue;
             least = fmin(least, c->pair[at]);
             if (a % 2 && b % 2) least = fmin(least, c->apart[at]);
         }
-    free(there);
     return isfinite(least) ? least : 0.0;
 }

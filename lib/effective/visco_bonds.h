@@ -10,7 +10,8 @@
 #include "model/bond_classes.h"
 
 typedef struct ph_bond_functions {
-    int count; /* distinct functions */
+    bool *there; /* [classes] do cells have it? */
+    int count;   /* distinct functions */
     ph_decay *function;
     int *of, *of_apart;          /* [classes^2] function of a table entry, or -1 */
     double *first, *first_apart; /* [classes^2] moduli at s = infinity */
@@ -25,6 +26,7 @@ void ph_i_bond_functions_clear(ph_bond_functions *f);
 void ph_i_bond_functions_set(const ph_bond_functions *f, double s, int function,
                              ph_bond_classes *classes);
 /** Smallest modulus of bonds between classes that are there, as the tables now stand. */
-double ph_i_bond_functions_least(const ph_bond_classes *classes);
+double ph_i_bond_functions_least(const ph_bond_functions *f,
+                                 const ph_bond_classes *classes);
 
 #endif
