@@ -276,6 +276,10 @@ ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
     const ph_microstructure *micro = v->run.problem->micro;
     v->out = out;
     v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
+    PH_CHECK(
+        !ph_i_has_cracks(problem), PH_EINVAL,
+        "the relaxation of a cracked cell is not computed: leave out the cracks, or the "
+        "relaxation");
     PH_TRY(ph_i_split_new(micro->nmaterials, micro->materials, &v->split, err));
     PH_TRY(without_equations(v, &done, err));
     if (!done) PH_TRY(with_equations(v, err));
