@@ -10,13 +10,37 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* Carson variables for the route that solves each: four a decade over the relaxation times
+ * of the phases and one decade beyond, at most MOST. */
+enum { MOST_CARSON = 64 };
+static int carson_grid(const ph_case *c, double *s)
+{
+    double first = HUGE_VAL, last = 0;
+    for (int i = 0; i < c->nmaterials; i++) {
+        const ph_prony *p = c->materials[i].relaxation;
+        if (!p) continue;
+        first = fmin(first, p->term[0].time);
+        last = fmax(last, p->term[p->nterms - 1].time);
+    }
+    double lo = -1 - log10(last), hi = 1 - log10(first);
+    int n = (int)fmin(MOST_CARSON, ceil(4 * (hi - lo)) + 1);
+    for (int k = 0; k < n; k++)
+        s[k] = pow(10, lo + (hi - lo) * k / (n - 1));
+    return n;
+}
+
 ph_status relaxation_solve(const ph_case *c, const ph_problem *problem, const ph_ctx *ctx,
                            ph_viscoelastic **v, ph_relaxation_report **report,
                            ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_relaxation_params params = {.route = c->viscoelastic.route,
-                                         .tolerance = c->viscoelastic.tolerance};
+    double s[MOST_CARSON];
+    ph_relaxation_params params = {.route = c->viscoelastic.route,
+                                   .tolerance = c->viscoelastic.tolerance};
+    if (strcmp(params.route, "carson") == 0) {
+        params.carson = s;
+        params.ncarson = carson_grid(c, s);
+    }
     PH_TRY(ph_viscoelastic_solve(problem, &params, ctx, v, err));
     if ((*v)->series) PH_TRY(ph_relaxation_report_new(*v, &c->viscoelastic, report, err));
 out:
@@ -268,6 +292,16 @@ static void put_terms(FILE *to, const ph_case *c, const ph_viscoelastic *v,
     if (p->nterms > MOST) fprintf(to, "%12s (all in prony.csv)\n", "...");
 }
 
+/* Of a route without series: first row of the tensor at every Carson variable. */
+static void put_values(FILE *to, const ph_case *c, const ph_viscoelastic *v)
+{
+    if (v->nvalues == 0) return;
+    fprintf(to, "\n%12s %12s %12s   [%s]\n", "s", "C11", "C12", c->unit_stress);
+    for (int k = 0; k < v->nvalues; k++)
+        fprintf(to, "%12.5g %12.6g %12.6g\n", v->values[k].s,
+                v->values[k].stiffness.m[0][0], v->values[k].stiffness.m[0][1]);
+}
+
 static void put_cost(FILE *to, const ph_viscoelastic *v)
 {
     char bytes[32], seconds[32];
@@ -294,6 +328,8 @@ void relaxation_print(FILE *to, const ph_case *c, const ph_viscoelastic *v,
     if (r) {
         put_constants(to, c, r);
         put_terms(to, c, v, r);
+    } else {
+        put_values(to, c, v);
     }
     put_cost(to, v);
 }

@@ -68,3 +68,9 @@ $ perihom view relaxing-results
 > relaxing-results/dynamic.png
 > relaxing-results/tan-delta.png
 > relaxing-results/response.png
+
+$ perihom run relaxing.yaml --set viscoelastic.route=carson --json -q -o carson > out; json_get effective.viscoelastic.terms < out; json_get effective.viscoelastic.carson.0.s < out; ls carson
+> null
+> 0.1
+> phases.png
+> result.json
