@@ -27,8 +27,10 @@
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>
+#include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/material.h>
+#include <perihom/material_point.h>
 #include <perihom/microstructure.h>
 #include <perihom/output.h>
 #include <perihom/plot.h>
