@@ -39,5 +39,6 @@
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
+#include <perihom/viscoelastic.h>
 
 #endif

@@ -140,6 +140,7 @@ static ph_status new_family_part(ph_operator *op, const ph_operator_params *p,
             p->hourglass_in_space && p->stabilisation == PH_STABILISE_SPECTRAL;
         double s = in_space ? hourglass_coefficient(l, p->value, op->map->softest) : 0.0;
         PH_TRY(ph_i_cells_init(&op->cells, l, op->map, c1, c2, s, op->threads, m, err));
+        op->hourglass = s;
         op->has_cells = true;
         op->share = 1.0;
         return st;
@@ -187,6 +188,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     op->meter = meter;
     op->family = p->family;
     op->threads = p->threads > 0 ? p->threads : 1;
+    op->stabilise = 1.0;
     PH_TRY(ph_i_fft_new(&op->layout, op->threads, &op->fft, err));
     op->modes = ph_i_fft_modes(op->fft);
     size_t cells = (size_t)op->layout.cells, nd = (size_t)op->layout.nd;
@@ -208,6 +210,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
         op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
         PH_TRY(ph_i_bondlist_new(box, map, p, meter, &op->bonds, err));
+        op->hourglass = op->bonds->s;
         *out = op;
         return st;
     }
@@ -253,6 +256,13 @@ void ph_i_operator_free(ph_operator **out)
     *out = NULL;
 }
 
+void ph_i_operator_stabilise(ph_operator *op, double factor)
+{
+    op->stabilise = factor;
+    if (op->has_cells) op->cells.hourglass = factor * op->hourglass;
+    if (op->bonds) op->bonds->s = factor * op->hourglass;
+}
+
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat)
 {
     for (int a = 0; a < op->layout.nd; a++)
@@ -289,11 +299,11 @@ static void add_diagonal(const ph_operator *op, const double *uhat, double *fhat
     if (!op->spectral) return;
     for (int a = 0; a < op->layout.nd; a++) {
         const double *u = uhat + 2 * a * op->modes, *s = op->spectral;
-        double *f = fhat + 2 * a * op->modes;
+        double *f = fhat + 2 * a * op->modes, factor = op->stabilise;
 #pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
         for (ptrdiff_t k = 0; k < op->modes; k++) {
-            f[2 * k] += s[k] * u[2 * k];
-            f[2 * k + 1] += s[k] * u[2 * k + 1];
+            f[2 * k] += factor * s[k] * u[2 * k];
+            f[2 * k + 1] += factor * s[k] * u[2 * k + 1];
         }
     }
 }

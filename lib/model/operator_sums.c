@@ -120,8 +120,8 @@ ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *mac
             const double *z = op->hat + 2 * (a * op->modes + k);
             ptrdiff_t c = k % row;
             double w = c == 0 || (l->n[2] % 2 == 0 && c == row - 1) ? 1.0 : 2.0;
-            energy->stabilisation +=
-                w * op->spectral[k] * (z[0] * z[0] + z[1] * z[1]) / (double)l->cells;
+            energy->stabilisation += w * op->stabilise * op->spectral[k] *
+                                     (z[0] * z[0] + z[1] * z[1]) / (double)l->cells;
         }
     return PH_OK;
 }

@@ -18,6 +18,7 @@ typedef struct ph_stiffness_map {
     double *c;       /* [count][ns*ns] Mandel */
     ph_hooke *hooke; /* [count] */
     int32_t *index;  /* [cells] into c */
+    bool *used;      /* [materials] is it in the box? */
     bool has_void;
     double contrast; /* of the phases; 1: homogeneous; voids not counted */
     double
@@ -36,6 +37,24 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
                                  const ptrdiff_t *source, ptrdiff_t cells,
                                  ph_meter *meter, ph_stiffness_map **out, ph_error *err);
 void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
+
+/** Other tensors for the same cells.
+ *  @param[in] phase [materials], n = ns
+ *  @param[in] mixed true: cut cells are mixed anew, and contrast, softest and middle are
+ *             measured again; false: cut cells hold nothing, nothing is measured
+ *  @return PH_OK; PH_ESINGULAR where a cut cell cannot be mixed */
+ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure *micro,
+                                 const ph_sym4 *phase, bool mixed, ph_error *err);
+
+/** The fraction that cut `c` gets over a cell of which the share `solid` is not void;
+ *  updates it. @param[in] hole the cut brings a void */
+double ph_i_cut_fraction(const ph_cut *c, bool hole, double *solid);
+
+/** First entry of a cut cell: entry - this is its number in painting order of cells. */
+static inline int ph_i_first_mixture(const ph_stiffness_map *map)
+{
+    return map->materials + 1;
+}
 
 /* s = C e for one cell. */
 static inline void ph_i_hooke(const ph_stiffness_map *map, int entry, const double *e,

@@ -118,7 +118,13 @@ ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
         for (int a = 0; a < l->nd; a++) /* the mean force is round-off */
             s->r[2 * a * s->op->modes] = s->r[2 * a * s->op->modes + 1] = 0.0;
     }
+    /* Products of unnormalised transforms are so many times those of the fields. */
+    double scale = s->fixed ? 1.0 : (double)l->cells;
+    report->energy_most *= scale;
     ph_status st = ph_i_cg(&system, s->x, s->r, s->p, s->q, report, err);
+    report->energy_most /= scale;
+    report->energy /= scale;
+    report->energy_left /= scale;
     if (s->fixed)
         memcpy(u, s->x, sizeof(double) * (size_t)(l->nd * l->cells));
     else
