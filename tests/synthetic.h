@@ -1,68 +1,85 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Models of a random quantity whose mean is known, and the loop that a campaign runs over
- * ph_estimation_next; include after check.h. */
+/* Cheap models for calibrations, with noise of realisations that is a pure function of seed,
+ * point and realisation; include after check.h. */
 #ifndef TESTS_SYNTHETIC_H
 #define TESTS_SYNTHETIC_H
 
-#include <perihom_rve.h>
+#include <perihom_calibrate.h>
 
-#include <perihom_estimators.h>
-
-/* Model i of realisation k of repetition r: out[dimension]. */
-typedef void synthetic_model(uint64_t r, uint64_t k, int i, double *out);
+enum { SYNTHETIC_POINTS = 12 };
 
 typedef struct synthetic {
-    int nmodels;
-    int dimension[PH_MAX_MODELS];
-    double cost[PH_MAX_MODELS];
-    synthetic_model *model;
+    uint64_t seed;
+    double content[SYNTHETIC_POINTS];
+    double noise; /* relative, of one realisation, times content */
+    int outputs;
+    double (*mean)(const double *unknown, double content, int output);
+    /* what the model does at some unknown, point, realisation */
+    ph_status (*odd)(const double *unknown, int point, uint64_t r, ph_error *err);
 } synthetic;
 
-typedef struct synthetic_run {
-    double *value[PH_MAX_MODELS];
-    ph_model_samples samples[PH_MAX_MODELS];
-    ph_estimation e;
-} synthetic_run;
-
-static inline double synthetic_normal(uint64_t r, uint64_t k, uint64_t what)
+/* A modulus that a stiff interphase raises and saturates, like that of bonds with kappa. */
+static inline double synthetic_kappa(const double *unknown, double content, int output)
 {
-    ph_random q = {r, k, what, 0};
-    return ph_random_normal(&q);
+    double k = unknown[0];
+    (void)output;
+    return 3.5 * (1 + 8 * content * (k - 0.5) / (k + 8));
 }
 
-static inline void synthetic_extend(const synthetic *s, uint64_t r, synthetic_run *run,
-                                    int i, ptrdiff_t n)
+/* Half of the noise is common to all points of a realisation, half is their own. */
+static inline ph_status synthetic_model(void *user, const double *unknown, int point,
+                                        uint64_t r, double *output, ph_error *err)
 {
-    ph_model_samples *x = &run->samples[i];
-    int d = s->dimension[i];
-    if (n <= x->n) return;
-    run->value[i] = realloc(run->value[i], sizeof(double) * (size_t)(n * d));
-    for (ptrdiff_t k = x->n; k < n; k++)
-        s->model(r, (uint64_t)k, i, &run->value[i][k * d]);
-    x->n = n;
-    x->value = run->value[i];
+    const synthetic *s = user;
+    ph_random common = {.seed = s->seed, .realisation = r};
+    ph_random own = {.seed = s->seed, .realisation = r, .object = (uint64_t)point + 1};
+    double z = sqrt(0.5) * (ph_random_normal(&common) + ph_random_normal(&own));
+    if (s->odd) {
+        ph_status st = s->odd(unknown, point, r, err);
+        if (st != PH_OK) return st;
+    }
+    for (int i = 0; i < s->outputs; i++)
+        output[i] = s->mean(unknown, s->content[point], i) *
+                    (1 + s->noise * s->content[point] * z);
+    return PH_OK;
 }
 
-static inline void synthetic_free(synthetic_run *run)
+/* A calibration of one modulus at n contents 0 .. 0.05. */
+typedef struct synthetic_fit {
+    synthetic model;
+    ph_fit_unknown unknown[4];
+    ph_fit_measurement measurement[2 * SYNTHETIC_POINTS];
+    ph_fit_problem problem;
+} synthetic_fit;
+
+static inline void synthetic_setup(synthetic_fit *f, int points, double sigma)
 {
-    for (int i = 0; i < PH_MAX_MODELS; i++)
-        free(run->value[i]);
+    *f = (synthetic_fit){.model = {.seed = 1, .outputs = 1, .mean = synthetic_kappa}};
+    f->unknown[0] = (ph_fit_unknown){
+        .name = "kappa", .from = 0.01, .to = 100, .start = 1, .log = true};
+    f->problem = (ph_fit_problem){.nunknowns = 1,
+                                  .unknown = f->unknown,
+                                  .npoints = points,
+                                  .noutputs = 1,
+                                  .nmeasurements = points,
+                                  .measurement = f->measurement,
+                                  .model = synthetic_model,
+                                  .user = &f->model};
+    for (int i = 0; i < points; i++) {
+        f->model.content[i] = 0.05 * (i + 1) / points;
+        f->measurement[i] = (ph_fit_measurement){.point = i, .sigma = sigma};
+    }
 }
 
-/* Until done; `extra` realisations more than wanted are offered every time. */
-static inline ph_status synthetic_estimate(const synthetic *s,
-                                           const ph_estimation_rule *rule, uint64_t r,
-                                           int extra, synthetic_run *run, ph_error *err)
+/* Measurements of the model's mean at the true unknowns, with errors of size sigma. */
+static inline void synthetic_measure(synthetic_fit *f, const double *truth, double sigma,
+                                     uint64_t seed)
 {
-    memset(run, 0, sizeof *run);
-    for (int i = 0; i < s->nmodels; i++)
-        run->samples[i] =
-            (ph_model_samples){.dimension = s->dimension[i], .cost = s->cost[i]};
-    for (;;) {
-        ph_status st = ph_estimation_next(rule, s->nmodels, run->samples, &run->e, err);
-        if (st || run->e.done) return st;
-        for (int i = 0; i < s->nmodels; i++)
-            synthetic_extend(s, r, run, i, run->e.want[i] + extra);
+    ph_random r = {.seed = seed, .object = 77};
+    for (int i = 0; i < f->problem.nmeasurements; i++) {
+        ph_fit_measurement *m = &f->measurement[i];
+        m->value = f->model.mean(truth, f->model.content[m->point], m->output) +
+                   sigma * ph_random_normal(&r);
     }
 }
 

@@ -16,6 +16,7 @@ typedef struct verb {
 extern const verb verbs[];
 
 int cmd_run(int argc, char **argv);
+int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_generate(int argc, char **argv);
 int cmd_bounds(int argc, char **argv);

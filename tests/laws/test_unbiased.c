@@ -2,7 +2,7 @@
 /* Means by cheaper models over many repetitions: the mean of the means is the true one, and
  * the 95 % intervals hold it in 93 to 97 %. */
 #include "check.h"
-#include "synthetic.h"
+#include "synthetic_models.h"
 
 static const double truth = 3.0;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The estimators: allocation, arguments, order, budget, and cases with a known answer. */
 #include "check.h"
-#include "synthetic.h"
+#include "synthetic_models.h"
 
 static void pair(uint64_t r, uint64_t k, int i, double *out)
 {
