@@ -72,7 +72,7 @@ static void set_label(ph_i_tick *t, double step, double greatest)
         int digits = first > last ? first - last : 0;
         ph_i_number_text(text, sizeof text, true, digits > 16 ? 16 : digits, t->value);
         char *e = strchr(text, 'e');
-        int exponent = atoi(e + 1);
+        int exponent = (int)strtol(e + 1, NULL, 10);
         bool bare = strncmp(text, "1e", 2) == 0;
         if (bare) e = text;
         strcpy(e, bare ? "10"
