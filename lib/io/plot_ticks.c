@@ -98,9 +98,11 @@ static void linear_ticks(ph_i_axis *a, int most)
                         : raw <= 5 * ten ? 5 * ten
                                          : 10 * ten;
     const double greatest = fmax(fabs(a->lo), fabs(a->hi));
-    for (double k = ceil(a->lo / step - 1e-9); k <= floor(a->hi / step + 1e-9); k++) {
-        ph_i_tick *t = add_tick(a, k * step);
-        if (t) set_label(t, step, greatest);
+    const double first = ceil(a->lo / step - 1e-9), last = floor(a->hi / step + 1e-9);
+    for (int k = 0; k <= last - first; k++) {
+        ph_i_tick *t = add_tick(a, (first + k) * step);
+        if (!t) break;
+        set_label(t, step, greatest);
     }
 }
 
