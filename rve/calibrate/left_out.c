@@ -83,8 +83,9 @@ ph_status ph_i_left_out(ph_i_fit *c, ph_error *err)
         if (!isnan(residual) && c->surrogate)
             PH_TRY(predict(c, &w, &residual, &at_edge, err));
         edges += at_edge;
-        p->left_out = p->measured + residual * p->sigma;
-        sum += residual * residual;
+        p->left_out = p->measured + residual * c->sigma[i];
+        double in_sigma = residual * c->sigma[i] / p->sigma;
+        sum += in_sigma * in_sigma;
     }
     c->out->left_out_rms = sqrt(sum / n);
     if (edges)
