@@ -22,6 +22,8 @@
 #include <perihom/card.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
+#include <perihom/crack.h>
+#include <perihom/damage.h>
 #include <perihom/distribution.h>
 #include <perihom/effective.h>
 #include <perihom/error.h>
@@ -36,6 +38,7 @@
 #include <perihom/plot.h>
 #include <perihom/prony.h>
 #include <perihom/quantity.h>
+#include <perihom/relaxation.h>
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>

@@ -233,6 +233,9 @@ static json_t *case_to_json(const ph_case *c, bool *good)
     put(map, "model", model_to_json(&c->model, good), good);
     put(map, "constraint", constraint_to_json(c, good), good);
     put(map, "solver", solver_to_json(&c->solver, good), good);
+    if (c->ncracks > 0) put(map, "cracks", ph_i_cracks_to_json(c, good), good);
+    if (c->sequence.kind != PH_SEQUENCE_NONE)
+        put(map, "sequence", ph_i_sequence_to_json(c, good), good);
     if (c->viscoelastic.given || ph_case_relaxes(c))
         put(map, "viscoelastic", ph_i_viscoelastic_to_json(&c->viscoelastic, good), good);
     put(map, "output", output, good);

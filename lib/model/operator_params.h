@@ -6,6 +6,7 @@
 #include <perihom/homogenise.h>
 
 #include "model/bond_classes.h"
+#include "space/broken.h"
 
 typedef enum ph_route {
     PH_ROUTE_AUTO,
@@ -27,6 +28,7 @@ typedef struct ph_operator_params {
     bool one_sided;   /* families end at the faces of the RVE, which fills the first */
     ptrdiff_t rve[3]; /* cells of the box; bonds route only */
     const ph_bond_classes *classes; /* model bond: a spring for every bond; else NULL */
+    const ph_broken *broken;        /* bonds that are broken, or NULL: none ever */
     int threads;
 } ph_operator_params;
 

@@ -113,10 +113,12 @@ ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
         system.precondition = precondition_masked;
         memcpy(s->r, load, sizeof(double) * (size_t)(l->nd * l->cells));
         mask(s, s->r);
+        if (report->guessed) memcpy(s->x, u, sizeof(double) * (size_t)(l->nd * l->cells));
     } else {
         ph_i_operator_forward(s->op, load, s->r);
         for (int a = 0; a < l->nd; a++) /* the mean force is round-off */
             s->r[2 * a * s->op->modes] = s->r[2 * a * s->op->modes + 1] = 0.0;
+        if (report->guessed) ph_i_operator_forward(s->op, u, s->x);
     }
     /* Products of unnormalised transforms are so many times those of the fields. */
     double scale = s->fixed ? 1.0 : (double)l->cells;
