@@ -64,24 +64,50 @@ out:
     return st;
 }
 
+/* Cells of a frame into the sheet: frame 0 above on the left; 3D: the slice in the middle. */
+static void put_frame(const ph_grid *g, const ph_grid *sheet, int columns, int rows,
+                      int frame, const double *field, double *out)
+{
+    ptrdiff_t at[2] = {(frame % columns) * (g->n[0] + 1),
+                       (rows - 1 - frame / columns) * (g->n[1] + 1)};
+    for (ptrdiff_t i = 0; i < g->n[0]; i++)
+        for (ptrdiff_t j = 0; j < g->n[1]; j++)
+            out[(at[0] + i) * sheet->n[1] + at[1] + j] =
+                field[(i * g->n[1] + j) * g->n[2] + g->n[2] / 2];
+}
+
+/* One sheet of all pictures, row by row. */
 static ph_status write_pictures(const destination *to, const ph_case *c,
                                 const ph_result *r, ph_error *err)
 {
     ph_status st = PH_OK;
-    char path[DESTINATION_PATH + 64], name[32], title[64];
-    double *field = NULL;
+    const ph_failure_path *p = r->failure;
+    const ph_grid *g = &r->grid;
+    char path[DESTINATION_PATH + 64];
+    double *field = NULL, *all = NULL;
+    ph_grid sheet;
     if (c->pictures_every == 0) return PH_OK; /* damage.png is the last step */
-    field = calloc((size_t)ph_grid_cells(&r->grid), sizeof *field);
-    PH_CHECK(field, PH_ENOMEM, "no memory for a picture");
-    for (int i = 0; i < r->failure->nsteps; i += c->pictures_every) {
-        PH_TRY(ph_failure_field(r->failure, i, field, err));
-        snprintf(name, sizeof name, "damage-%05d.png", i);
-        snprintf(title, sizeof title, "damage, load %.5g", r->failure->step[i].load);
-        destination_file(to, name, path, sizeof path);
-        PH_TRY(ph_write_png(path, &r->grid, field, 3, title, err));
+    int count = (p->nsteps - 1) / c->pictures_every + 1, columns = 1;
+    while (columns * columns < count)
+        columns++;
+    int rows = (count + columns - 1) / columns;
+    const ptrdiff_t n[2] = {columns * (g->n[0] + 1) - 1, rows * (g->n[1] + 1) - 1};
+    const double size[2] = {(double)n[0], (double)n[1]};
+    PH_TRY(ph_grid_init(&sheet, PH_PLANE_STRAIN, n, size, err));
+    field = calloc((size_t)ph_grid_cells(g), sizeof *field);
+    all = calloc((size_t)ph_grid_cells(&sheet), sizeof *all);
+    PH_CHECK(field && all, PH_ENOMEM, "no memory for a picture");
+    for (ptrdiff_t x = 0; x < ph_grid_cells(&sheet); x++)
+        all[x] = (double)NAN;
+    for (int i = 0; i < count; i++) {
+        PH_TRY(ph_failure_field(p, i * c->pictures_every, field, err));
+        put_frame(g, &sheet, columns, rows, i, field, all);
     }
+    destination_file(to, "damage-steps.png", path, sizeof path);
+    PH_TRY(ph_write_png(path, &sheet, all, 3, "damage, step by step", err));
 out:
     free(field);
+    free(all);
     return st;
 }
 

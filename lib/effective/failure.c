@@ -26,7 +26,8 @@ static double stretch_from_energy(double G, double E, const ph_crossing *sum)
 /* 1/2 V k E s^2 |xi|^4 = w share V^2 */
 static double energy_stretch(double value, double E, const ph_bond_facts *b)
 {
-    return sqrt(2.0 * value * b->share * b->volume / (b->k * E)) / (b->length * b->length);
+    return sqrt(2.0 * value * b->share * b->volume / (b->k * E)) /
+           (b->length * b->length);
 }
 
 static double bond_energy_from_energy(double G, double E, const ph_crossing *sum)

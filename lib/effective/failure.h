@@ -3,17 +3,17 @@
 #ifndef PH_EFFECTIVE_FAILURE_H
 #define PH_EFFECTIVE_FAILURE_H
 
-#include "effective/run.h"
-
 #include <perihom/distribution.h>
+
+#include "effective/run.h"
 
 enum { PH_STRENGTH_FORMS = 2 }; /* criteria by which a bond can break */
 
 /** Critical stretches of all bonds: amplitude of the classes of both ends times the form of
  *  the criterion at this bond, times the scatter. */
 typedef struct ph_strengths {
-    const ph_broken *broken; /* borrowed: nodes and bonds */
-    int classes;             /* 2 (materials + 1): 2 material + (in a filler) */
+    const ph_broken *broken;      /* borrowed: nodes and bonds */
+    int classes;                  /* 2 (materials + 1): 2 material + (in a filler) */
     const int32_t *class, *owner; /* [cells] */
     int32_t *own;                 /* what the two point to, where it is ours */
     double *amplitude[2];         /* [classes^2] whole, apart; INFINITY: does not break */

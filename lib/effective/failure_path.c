@@ -26,10 +26,10 @@ typedef struct ph_walk {
     ph_failure_path *path;
     ph_strengths *strengths;
     ph_scan *scan;
-    double macro[6];  /* of the unit load, Mandel */
-    double *u;        /* its displacement, [nd][cells] */
-    size_t n;         /* doubles of u */
-    double stress[6]; /* mean, of the unit load, Mandel */
+    double macro[6];             /* of the unit load, Mandel */
+    double *u;                   /* its displacement, [nd][cells] */
+    size_t n;                    /* doubles of u */
+    double stress[6];            /* mean, of the unit load, Mandel */
     double by_stress, by_energy; /* stress : E of the unit load, and E : C : E */
     double pristine;
     int iterations;
@@ -51,9 +51,10 @@ static ph_status check_loading(const ph_run *r, ph_error *err)
              "a loading needs to know when bonds break: give failure");
     PH_CHECK(!q || q->kind == PH_SEQUENCE_NONE, PH_EINVAL,
              "a sequence of cracks and a loading are two: give one of both");
-    PH_CHECK(strcmp(r->constraint->info.name, "periodic") == 0, PH_EINVAL,
-             "a loading takes constraint periodic: with %s bonds of the frame would break",
-             r->constraint->info.name);
+    PH_CHECK(
+        strcmp(r->constraint->info.name, "periodic") == 0, PH_EINVAL,
+        "a loading takes constraint periodic: with %s bonds of the frame would break",
+        r->constraint->info.name);
     for (int i = 0; i < ph_strains(r->result->grid.kinematics); i++) {
         PH_CHECK(isfinite(l->strain[i]), PH_EINVAL, "strain %d of a loading is %g", i + 1,
                  l->strain[i]);
@@ -155,9 +156,9 @@ out:
 
 static double stiffness_of(const ph_walk *w, const ph_picked *k)
 {
-    return w->run->classes ? w->run->family->w[k->b] *
-                                 ph_i_bond_modulus(w->run->classes, k->x, k->y)
-                           : 0.0;
+    return w->run->classes
+               ? w->run->family->w[k->b] * ph_i_bond_modulus(w->run->classes, k->x, k->y)
+               : 0.0;
 }
 
 /* Of the bonds picked, per volume and unit load: their energy, and what goes with them. */
@@ -321,8 +322,8 @@ static ph_status start(ph_walk *w, ph_error *err)
     ph_run *r = w->run;
     const ph_problem *p = r->problem;
     for (int i = 0; i < r->map->ns; i++)
-        w->macro[i] = w->loading->strain[i] *
-                      (i < (r->map->ns == 3 ? 2 : 3) ? 1.0 : sqrt(0.5));
+        w->macro[i] =
+            w->loading->strain[i] * (i < (r->map->ns == 3 ? 2 : 3) ? 1.0 : sqrt(0.5));
     w->n = (size_t)(r->op->layout.nd * r->op->layout.cells);
     PH_DOUBLES(w->u, &r->meter, w->n, "the displacement of the load");
     if (p->cracks && p->cracks->count > 0) {
@@ -331,6 +332,9 @@ static ph_status start(ph_walk *w, ph_error *err)
         PH_TRY(ph_i_run_rebuild(r, err));
     }
     PH_TRY(new_path(w, err));
+    if (!r->classes)
+        ph_i_note(r->result, "failure: strengths from a fracture energy are those of "
+                             "springs; model nosb dissipates less, see the manual");
     PH_TRY(ph_i_strengths_new(r, p->failure, &w->strengths, err));
     PH_TRY(ph_i_scan_new(r, w->strengths, w->macro, &w->scan, err));
     PH_TRY(solve_unit(w, NULL, err));

@@ -143,8 +143,8 @@ double ph_i_scan_least(ph_scan *s, const double *u, double sign)
         cell_at(s, x, at);
         for (ptrdiff_t h = 0; h < s->nhalf; h++)
             if (is_intact(s, place, h))
-                mine =
-                    fmin(mine, critical_load(s, u, sign, x, h, end_of(s, at, s->half[h])));
+                mine = fmin(mine,
+                            critical_load(s, u, sign, x, h, end_of(s, at, s->half[h])));
         s->least[x] = mine;
     }
     for (ptrdiff_t x = 0; x < s->cells; x++)
@@ -178,8 +178,7 @@ ph_status ph_i_scan_pick(ph_scan *s, const double *u, double sign, double most,
         cell_at(s, x, at);
         for (ptrdiff_t h = 0; h < s->nhalf; h++) {
             ptrdiff_t b = s->half[h], y = end_of(s, at, b);
-            if (!is_intact(s, place, h) ||
-                !(critical_load(s, u, sign, x, h, y) <= most))
+            if (!is_intact(s, place, h) || !(critical_load(s, u, sign, x, h, y) <= most))
                 continue;
             PH_TRY(pick(s, (ph_picked){x, b, y, ph_i_scan_pull(s, u, x, b, y)}, err));
         }

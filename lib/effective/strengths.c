@@ -132,8 +132,8 @@ static double typical(const ph_run *r, const ph_strengths *s, const ph_failure_r
 {
     const ph_failure_criterion *c = &ph_failure_criteria[k->criterion];
     if (k->criterion == PH_UNBREAKABLE) return INFINITY;
-    double value = isnan(k->value) ? c->from_energy(k->fracture_energy, E, &s->crossing)
-                                   : k->value;
+    double value =
+        isnan(k->value) ? c->from_energy(k->fracture_energy, E, &s->crossing) : k->value;
     ph_bond_facts bond = {r->family->w[0], length_of(r->family->xi[0]), 1.0,
                           volume_of(&r->setting.box)};
     return c->stretch(value, E, &bond);
@@ -172,8 +172,8 @@ static ph_status fill_pair(const ph_run *r, const ph_failure *f, int i, int j, b
              "a fracture energy needs the modulus of an isotropic material: give "
              "critical_stretch for '%s'",
              r->problem->micro->materials[i / 2].name);
-    value = isnan(k->value) ? c->from_energy(k->fracture_energy, E, &s->crossing)
-                            : k->value;
+    value =
+        isnan(k->value) ? c->from_energy(k->fracture_energy, E, &s->crossing) : k->value;
     /* stretch() is the product of a number for the classes and one for the bond */
     s->amplitude[apart][at] = c->stretch(value, E, &unit_bond);
     s->criterion[apart][at] = (uint8_t)k->criterion;

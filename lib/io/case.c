@@ -9,8 +9,7 @@ enum { MAX_FILE = 1 << 26 };
 static const char *const root_keys[] = {
     "perihom",        "title",  "units",      "temperature", "materials",
     "microstructure", "model",  "constraint", "solver",      "viscoelastic",
-    "output",         "cracks", "sequence",   "failure",
-    "loading"};
+    "output",         "cracks", "sequence",   "failure",     "loading"};
 static const char *const unit_keys[] = {"length", "stress", "time", "temperature"};
 
 void ph_case_free(ph_case **c)

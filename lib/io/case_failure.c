@@ -11,9 +11,8 @@ static const char *const rule_keys[] = {"fracture_energy", "criterion",
                                         "critical_stretch", "critical_bond_energy",
                                         "weibull"};
 static const char *const criteria[] = {"critical_stretch", "bond_energy"};
-static const char *const loading_keys[] = {"strain",          "to",    "steps",
-                                           "window",          "break", "stiffness_every",
-                                           "pictures_every"};
+static const char *const loading_keys[] = {
+    "strain", "to", "steps", "window", "break", "stiffness_every", "pictures_every"};
 static const char *const break_names[] = {"events", "together"};
 
 void ph_i_failure_free(ph_case *c)
@@ -207,8 +206,9 @@ static void check_model(ph_i_reader *r, const ph_i_node *loading)
         ph_i_complain(r, loading, PH_EINVAL,
                       "does not go with a sequence of cracks: one of both");
     if (ph_case_relaxes(c))
-        ph_i_complain(r, loading, PH_EINVAL, "takes elastic materials: nothing relaxes "
-                                             "while bonds break");
+        ph_i_complain(r, loading, PH_EINVAL,
+                      "takes elastic materials: nothing relaxes "
+                      "while bonds break");
 }
 
 ph_status ph_i_read_failure(ph_i_reader *r, const ph_i_node *root, ph_error *err)

@@ -44,8 +44,8 @@ static ph_status put_step(const ph_damage *d, int number, json_t *list, json_t *
     snprintf(path, sizeof path, "effective.damage.steps.%d", number);
     PH_CHECK(obj && psi, PH_ENOMEM, "no memory for the damage");
     PH_TRY(ph_i_json_put(
-        obj, "load",
-        d->kind == PH_SEQUENCE_LOADING ? json_real(s->value) : json_null(), err));
+        obj, "load", d->kind == PH_SEQUENCE_LOADING ? json_real(s->value) : json_null(),
+        err));
     if (value_name(d->kind) && d->kind != PH_SEQUENCE_LOADING)
         PH_TRY(ph_i_json_put(obj, value_name(d->kind), json_real(s->value), err));
     PH_TRY(ph_i_json_put(obj, "density", ph_i_json_number(s->density), err));

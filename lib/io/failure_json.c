@@ -107,11 +107,11 @@ ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *
 {
     ph_status st = PH_OK;
     static const char *const three[] = {"stress_11", "stress_22", "stress_12"},
-                            *const six[] = {"stress_11", "stress_22", "stress_33",
-                                            "stress_23", "stress_13", "stress_12"},
-                            *const rest[] = {"conjugate_stress", "broken_bonds",
-                                             "external",         "stored",
-                                             "fracture",         "dissipated"};
+                             *const six[] = {"stress_11", "stress_22", "stress_33",
+                                             "stress_23", "stress_13", "stress_12"},
+                             *const rest[] = {"conjugate_stress", "broken_bonds",
+                                              "external",         "stored",
+                                              "fracture",         "dissipated"};
     const char *name[13] = {"load"};
     ph_table *t = NULL;
     int k = 1;
@@ -123,8 +123,9 @@ ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *
     PH_TRY(ph_table_new(k, name, p->nsteps, &t, err));
     for (int i = 0; i < p->nsteps; i++) {
         const ph_failure_step *s = &p->step[i];
-        const double last[] = {s->work,          (double)s->broken,  s->energy.external,
-                               s->energy.stored, s->energy.fracture, s->energy.dissipated};
+        const double last[] = {
+            s->work,          (double)s->broken,  s->energy.external,
+            s->energy.stored, s->energy.fracture, s->energy.dissipated};
         t->value[i] = s->load;
         for (int j = 0; j < p->n; j++)
             t->value[(ptrdiff_t)(1 + j) * p->nsteps + i] = s->stress[j];
@@ -140,19 +141,24 @@ out:
 ph_status ph_failure_events_csv(const ph_failure_path *p, char **text, ph_error *err)
 {
     ph_status st = PH_OK;
-    static const char *const name[] = {"load",       "stress_before", "stress_after",
-                                       "broken_bonds", "external",    "stored",
-                                       "fracture",   "dissipated",    "iterations"};
+    static const char *const name[] = {"load",         "stress_before", "stress_after",
+                                       "broken_bonds", "external",      "stored",
+                                       "fracture",     "dissipated",    "iterations"};
     enum { COLUMNS = sizeof name / sizeof *name };
     ph_table *t = NULL;
     PH_CHECK(p && text, PH_EINVAL, "no failure to write");
     PH_TRY(ph_table_new(COLUMNS, name, p->nevents, &t, err));
     for (ptrdiff_t i = 0; i < p->nevents; i++) {
         const ph_failure_event *e = &p->event[i];
-        const double row[COLUMNS] = {
-            e->load,            e->before,          e->after,
-            (double)e->broken,  e->energy.external, e->energy.stored,
-            e->energy.fracture, e->energy.dissipated, e->iterations};
+        const double row[COLUMNS] = {e->load,
+                                     e->before,
+                                     e->after,
+                                     (double)e->broken,
+                                     e->energy.external,
+                                     e->energy.stored,
+                                     e->energy.fracture,
+                                     e->energy.dissipated,
+                                     e->iterations};
         for (int j = 0; j < COLUMNS; j++)
             t->value[j * p->nevents + i] = row[j];
     }

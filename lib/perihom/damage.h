@@ -10,8 +10,8 @@ extern "C" {
 
 /** What changes from step to step. */
 typedef enum ph_sequence_kind {
-    PH_SEQUENCE_NONE,   /* the cracks as they are: one step */
-    PH_SEQUENCE_GROWTH, /* some cracks have a new length in every step */
+    PH_SEQUENCE_NONE,    /* the cracks as they are: one step */
+    PH_SEQUENCE_GROWTH,  /* some cracks have a new length in every step */
     PH_SEQUENCE_DENSITY, /* more and more of the cracks are there */
     PH_SEQUENCE_LOADING  /* of a result: bonds break under a load, see failure.h */
 } ph_sequence_kind;

@@ -56,7 +56,8 @@ typedef struct ph_failure_rule {
 typedef struct ph_failure {
     const ph_failure_rule
         *material; /* [materials]: both ends in it; not given: never breaks */
-    ph_failure_rule interphase; /* ends in two materials; not given: the weaker of the two */
+    ph_failure_rule
+        interphase; /* ends in two materials; not given: the weaker of the two */
     ph_failure_rule
         agglomeration; /* ends in two fillers; not given: as interphase, or matrix */
     uint64_t seed, realisation; /* of the scatter */
@@ -80,10 +81,11 @@ typedef struct ph_loading {
 
 /** Energies per volume of the RVE (2D: per area), along a path. */
 typedef struct ph_failure_energy {
-    double external;   /* integral of stress : d strain, by the mean stress */
-    double stored;     /* by the energy of the bonds */
-    double fracture;   /* of the broken bonds when they became critical */
-    double dissipated; /* fracture and what is set free beyond: taken from the bonds that break,
+    double external; /* integral of stress : d strain, by the mean stress */
+    double stored;   /* by the energy of the bonds */
+    double fracture; /* of the broken bonds when they became critical */
+    double
+        dissipated; /* fracture and what is set free beyond: taken from the bonds that break,
                         * 1/2 k e- e+ each, e- before and e+ after */
 } ph_failure_energy;
 
