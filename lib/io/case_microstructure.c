@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char *const microstructure_keys[] = {
-    "dimension", "plane",     "size", "nodes",   "matrix",     "inclusions",
+    "dimension", "plane",     "size", "nodes",   "matrix",      "inclusions",
     "voxels",    "interface", "seed", "fillers", "realisation", "drawn_on"};
 static const char *const voxel_keys[] = {"file", "dataset", "materials", "type",
                                          "owners"};

@@ -249,7 +249,7 @@ static void pilots(const plan *p, ptrdiff_t *want)
     want[0] = (ptrdiff_t)first;
     if (p->method == PLAIN) return;
     for (int i = 1; i <= last; i++) {
-        double ratio = p->models[0].cost / (2 * p->models[i].cost);
+        double ratio = p->models[0].cost / (4 * p->models[i].cost);
         double n = ceil(first * fmin(fmax(ratio, 1), 8));
         if (d > 1) n = fmax(n, fit);
         want[i] = (ptrdiff_t)fmax(n, (double)want[i - 1]);
