@@ -172,6 +172,8 @@ typedef struct ph_case {
     ph_kinematics kinematics;
     ptrdiff_t nodes[3]; /* zeros: take them from the voxel file */
     double size[3];
+    /* grid on which the fillers are placed, counted and drawn; zeros: nodes */
+    ptrdiff_t drawn_on[3];
     int matrix;
     int ninclusions;
     ph_inclusion *inclusions;
