@@ -106,7 +106,7 @@ static ph_status go(ph_visco *v, walk *w, int i, bool end, double share, ph_erro
         error = left;
     } else
         w->visit[w->visits++] = w->path.t[i];
-    if (added == 0 && !end) error *= around;
+    if (added == 0 && !end) error = fmax(error, fmin(around * error, v->tolerance));
     if (error >= v->out->error) v->out->error = error, v->out->error_at = s;
 out:
     return st;
