@@ -35,8 +35,7 @@ static void store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
  * 0.10, 0.06 %. */
 static const double least_solid = 0.05;
 
-/* The fraction that cut `c` gets over a cell of which `solid` is not void; updates it. */
-static double cut_fraction(const ph_cut *c, bool hole, double *solid)
+double ph_i_cut_fraction(const ph_cut *c, bool hole, double *solid)
 {
     double f = c->fraction;
     if (hole && *solid > 0.0) {
@@ -60,7 +59,7 @@ static ph_status mix(const ph_cut *cut, ptrdiff_t n, const ph_sym4 *phase, ph_sy
     for (ptrdiff_t i = 0; i < n; i++) {
         ph_sym4 under = *out;
         const ph_sym4 *over = &phase[cut[i].material];
-        double f = cut_fraction(&cut[i], ph_sym4_norm(over) == 0.0, &solid);
+        double f = ph_i_cut_fraction(&cut[i], ph_sym4_norm(over) == 0.0, &solid);
         PH_TRY(ph_sym4_laminate(&under, over, f, cut[i].normal, out, err));
     }
 out:
@@ -73,6 +72,7 @@ static const double most_of_least = 3.0;
 /* Contrast, softest and middle tensor of the phases that are there. */
 static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *used)
 {
+    map->has_void = false;
     double low_min = INFINITY, low_max = 0.0, high_min = INFINITY, high_max = 0.0;
     double softest = INFINITY, weakest = INFINITY, stiffest = 0.0;
     int soft = -1, stiff = -1;
@@ -120,25 +120,58 @@ out:
     return st;
 }
 
-/* Entry of every RVE cell: its phase, or its mixture. */
-static ph_status index_rve(ph_stiffness_map *map, const ph_microstructure *micro,
-                           bool composite, const ph_sym4 *phase, int32_t *entry,
-                           ph_error *err)
+ptrdiff_t ph_i_cuts_of_cell(const ph_microstructure *micro, ptrdiff_t i)
 {
-    ph_status st = PH_OK;
+    ptrdiff_t j = i + 1;
+    while (j < micro->ncuts && micro->cuts[j].cell == micro->cuts[i].cell)
+        j++;
+    return j - i;
+}
+
+/* Entry of every RVE cell: its phase, or its mixture. */
+static void index_rve(ph_stiffness_map *map, const ph_microstructure *micro,
+                      bool composite, int32_t *entry)
+{
     ptrdiff_t cells = ph_grid_cells(&micro->grid);
     for (ptrdiff_t x = 0; x < cells; x++)
         entry[x] = micro->phase[x];
     int next = map->materials + 1;
-    for (ptrdiff_t i = 0, j; composite && i < micro->ncuts; i = j) {
-        for (j = i + 1; j < micro->ncuts && micro->cuts[j].cell == micro->cuts[i].cell;)
-            j++;
-        ph_sym4 c;
-        PH_TRY(mix(&micro->cuts[i], j - i, phase, &c, err));
-        store(map, next, &c);
+    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i += ph_i_cuts_of_cell(micro, i))
         entry[micro->cuts[i].cell] = next++;
-    }
     map->count = next;
+}
+
+/* The materials that cells and cuts have. */
+static void find_used(const ph_microstructure *micro, bool composite,
+                      const ptrdiff_t *source, ptrdiff_t cells, bool *used)
+{
+    ptrdiff_t rve = ph_grid_cells(&micro->grid);
+    for (ptrdiff_t x = 0; x < rve; x++)
+        used[micro->phase[x]] = true;
+    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
+        used[micro->cuts[i].material] = true;
+        if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
+    }
+    for (ptrdiff_t x = 0; source && x < cells; x++) /* a collar of its own material */
+        if (source[x] <= -2) used[-2 - source[x]] = true;
+}
+
+ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure *micro,
+                                 const ph_sym4 *phase, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_sym4 nothing = {.n = map->ns};
+    int next = map->materials + 1;
+    for (int p = 0; p < map->materials; p++)
+        store(map, p, &phase[p]);
+    store(map, map->materials, &nothing);
+    for (ptrdiff_t i = 0, n; next < map->count; i += n, next++) {
+        ph_sym4 c;
+        n = ph_i_cuts_of_cell(micro, i);
+        PH_TRY(mix(&micro->cuts[i], n, phase, &c, err));
+        store(map, next, &c);
+    }
+    measure(map, phase, map->used);
 out:
     return st;
 }
@@ -150,7 +183,6 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
     ph_status st = PH_OK;
     ph_stiffness_map *map = NULL;
     ph_sym4 *phase = NULL;
-    bool *used = NULL;
     int32_t *entry = NULL;
     ptrdiff_t rve = ph_grid_cells(&micro->grid);
     bool composite = interface == PH_INTERFACE_COMPOSITE;
@@ -160,26 +192,15 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
     map->cells = cells;
     map->materials = micro->nmaterials;
     PH_ALLOC(phase, micro->nmaterials, "reduced stiffness");
-    PH_ALLOC(used, micro->nmaterials, "phase flags");
+    PH_ALLOC(map->used, micro->nmaterials, "phase flags");
     PH_ALLOC(entry, rve, "the stiffness index");
     PH_TRY(reserve(map, micro, composite ? micro->ncuts : 0, meter, err));
-    for (int p = 0; p < micro->nmaterials; p++) {
+    for (int p = 0; p < micro->nmaterials; p++)
         PH_TRY(ph_sym4_reduce(&micro->materials[p].stiffness, micro->grid.kinematics,
                               &phase[p], err));
-        store(map, p, &phase[p]);
-    }
-    ph_sym4 nothing = {.n = map->ns};
-    store(map, micro->nmaterials, &nothing);
-    for (ptrdiff_t x = 0; x < rve; x++)
-        used[micro->phase[x]] = true;
-    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
-        used[micro->cuts[i].material] = true;
-        if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
-    }
-    for (ptrdiff_t x = 0; source && x < cells; x++) /* a collar of its own material */
-        if (source[x] <= -2) used[-2 - source[x]] = true;
-    measure(map, phase, used);
-    PH_TRY(index_rve(map, micro, composite, phase, entry, err));
+    find_used(micro, composite, source, cells, map->used);
+    index_rve(map, micro, composite, entry);
+    PH_TRY(ph_i_stiffness_map_set(map, micro, phase, err));
     for (ptrdiff_t x = 0; x < cells; x++) {
         ptrdiff_t from = source ? source[x] : x;
         map->index[x] = from >= 0                ? entry[from]
@@ -190,7 +211,6 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
     map = NULL;
 out:
     free(phase);
-    free(used);
     free(entry);
     ph_i_stiffness_map_free(meter, &map);
     return st;
@@ -202,6 +222,7 @@ void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map)
     ph_stiffness_map *m = *map;
     ph_i_doubles_free(meter, &m->c, m->reserved);
     free(m->hooke);
+    free(m->used);
     if (m->index && meter) meter->bytes -= sizeof *m->index * (size_t)m->cells;
     free(m->index);
     free(m);

@@ -18,6 +18,7 @@ typedef struct ph_stiffness_map {
     double *c;       /* [count][ns*ns] Mandel */
     ph_hooke *hooke; /* [count] */
     int32_t *index;  /* [cells] into c */
+    bool *used;      /* [materials] is it anywhere? */
     bool has_void;
     double contrast; /* of the phases; 1: homogeneous; voids not counted */
     double
@@ -35,7 +36,20 @@ enum { PH_SOURCE_VOID = -1 }; /* other negatives: -2 - material */
 ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
                                  const ptrdiff_t *source, ptrdiff_t cells,
                                  ph_meter *meter, ph_stiffness_map **out, ph_error *err);
+/** Other tensors for the same cells: the phases [materials], reduced to the kinematics, and
+ *  the laminates of the cut cells that they make; contrast, softest and middle follow. What
+ *  was made of the map (a preconditioner, a factor, the coefficient of a stabilisation) does
+ *  not. @return PH_OK; PH_ESINGULAR (a laminate) */
+ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure *micro,
+                                 const ph_sym4 *phase, ph_error *err);
 void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
+
+/** Number of cuts of the cell whose first cut is `i`. Cut cells have the entries after
+ *  `materials`, in the order of the cuts. */
+ptrdiff_t ph_i_cuts_of_cell(const ph_microstructure *micro, ptrdiff_t i);
+/** The fraction that a cut gets over a cell of which the share `solid` is not void; updates
+ *  it. A cell keeps a least share of solid. @param[in] hole the cut brings in a void */
+double ph_i_cut_fraction(const ph_cut *cut, bool hole, double *solid);
 
 /* s = C e for one cell. */
 static inline void ph_i_hooke(const ph_stiffness_map *map, int entry, const double *e,
