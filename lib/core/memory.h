@@ -5,6 +5,11 @@
 
 #include "core/check.h"
 
+/* Elements that a thread takes at a time in a loop over cells or modes. The compiler rounds
+ * the body and the tail of a loop differently (which product of a b + c d is fused), so where
+ * a piece begins must not depend on the number of threads. */
+enum { PH_CHUNK = 2048 };
+
 /** Bytes now and at the most, of one computation. */
 typedef struct ph_meter {
     size_t bytes, peak;

@@ -91,7 +91,7 @@ static void multiply(const ph_convolution *c, const pairing *p, const double *uh
     const double *g2 = p->n == 2 ? c->g[p->d[1]] : NULL;
     const double *u2 = uhat + 2 * c->modes * p->a[1];
     double s = p->factor * scale;
-#pragma omp parallel for num_threads(c->threads) schedule(static)
+#pragma omp parallel for num_threads(c->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 0; k < c->modes; k++) {
         double re = g1[2 * k] * u1[2 * k] - g1[2 * k + 1] * u1[2 * k + 1];
         double im = g1[2 * k] * u1[2 * k + 1] + g1[2 * k + 1] * u1[2 * k];
@@ -123,7 +123,7 @@ void ph_i_convolution_strain(ph_convolution *c, const double *uhat, double scale
 static void accumulate(const ph_convolution *c, const double *g, double s,
                        const double *w, double *f)
 {
-#pragma omp parallel for num_threads(c->threads) schedule(static)
+#pragma omp parallel for num_threads(c->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 0; k < c->modes; k++) {
         f[2 * k] += s * (g[2 * k] * w[2 * k] + g[2 * k + 1] * w[2 * k + 1]);
         f[2 * k + 1] += s * (g[2 * k] * w[2 * k + 1] - g[2 * k + 1] * w[2 * k]);

@@ -266,7 +266,7 @@ void ph_i_operator_backward(ph_operator *op, const double *uhat, double *work, d
         ph_i_fft_backward(op->fft, uhat + 2 * a * op->modes, work + 2 * a * op->modes,
                           u + a * op->layout.cells);
     ptrdiff_t n = op->layout.nd * op->layout.cells;
-#pragma omp parallel for simd num_threads(op->threads) schedule(static)
+#pragma omp parallel for simd num_threads(op->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t x = 0; x < n; x++)
         u[x] *= scale;
 }
@@ -290,7 +290,7 @@ static void add_diagonal(const ph_operator *op, const double *uhat, double *fhat
     for (int a = 0; a < op->layout.nd; a++) {
         const double *u = uhat + 2 * a * op->modes, *s = op->spectral;
         double *f = fhat + 2 * a * op->modes;
-#pragma omp parallel for num_threads(op->threads) schedule(static)
+#pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
         for (ptrdiff_t k = 0; k < op->modes; k++) {
             f[2 * k] += s[k] * u[2 * k];
             f[2 * k + 1] += s[k] * u[2 * k + 1];
@@ -301,7 +301,7 @@ static void add_diagonal(const ph_operator *op, const double *uhat, double *fhat
 static void scale_field(const ph_operator *op, double s, ptrdiff_t n, double *x)
 {
     if (s == 1.0) return;
-#pragma omp parallel for simd num_threads(op->threads) schedule(static)
+#pragma omp parallel for simd num_threads(op->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t i = 0; i < n; i++)
         x[i] *= s;
 }

@@ -51,7 +51,7 @@ static void add_cells_symbol(const ph_operator *op, double elasticity[3][3][3][3
     const ph_cells *c = &op->cells;
     ptrdiff_t row = ph_i_fft_row(op->fft);
     const double pi = 3.14159265358979323846;
-#pragma omp parallel for num_threads(op->threads) schedule(static)
+#pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t m = 0; m < op->modes; m++) {
         ptrdiff_t at[3] = {m / row / l->n[1], m / row % l->n[1], m % row};
         double sn[3] = {0, 0, 0}, cs[3] = {1, 1, 1}, Q[3][3], g[3];
@@ -109,7 +109,7 @@ static ph_status add_stencil_symbol(ph_operator *op, double elasticity[3][3][3][
         PH_DOUBLES(hat[d], op->meter, (size_t)(2 * op->modes), "a gradient symbol");
         ph_i_gradient_symbol(op->fft, l, count, offset, g, d, op->f, hat[d]);
     }
-#pragma omp parallel for num_threads(op->threads) schedule(static)
+#pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 0; k < op->modes; k++) {
         double Q[3][3] = {{0}};
         for (int d = 0; d < 3; d++)

@@ -105,7 +105,7 @@ static void multiply(const ph_springs *s, double *hat)
 {
     const ptrdiff_t n = s->modes;
     const double *K = s->symbol;
-#pragma omp parallel for num_threads(s->threads) schedule(static)
+#pragma omp parallel for num_threads(s->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 0; k < n; k++)
         for (int part = 0; part < 2; part++) {
             double *z = hat + 2 * k + part, a = z[0], b = z[2 * n];
@@ -139,7 +139,7 @@ static void diagonal(const ph_springs *s, const double *u, double scale, double 
 {
     const ptrdiff_t n = s->layout.cells;
     const double *D = s->D;
-#pragma omp parallel for simd num_threads(s->threads) schedule(static)
+#pragma omp parallel for simd num_threads(s->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t x = 0; x < n; x++) {
         double a = scale * u[x], b = scale * u[n + x];
         if (s->layout.nd == 2) {
@@ -160,7 +160,7 @@ static void rest(const ph_springs *s, const double *u, double scale, double *f)
     const ptrdiff_t n = s->layout.cells;
     const int nd = s->layout.nd;
     if (!s->first) return;
-#pragma omp parallel for num_threads(s->threads) schedule(static)
+#pragma omp parallel for num_threads(s->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t x = 0; x < n; x++) {
         double sum[3] = {0};
         for (ptrdiff_t p = s->first[x]; p < s->first[x + 1]; p++) {
@@ -193,7 +193,7 @@ void ph_i_springs_apply(ph_springs *s, const double *u, double scale, double *f)
         const double *v = s->v[r];
         double back = scale * s->lambda[r] / (s->by_fft ? (double)n : 1.0);
         for (int a = 0; a < nd; a++)
-#pragma omp parallel for simd num_threads(s->threads) schedule(static)
+#pragma omp parallel for simd num_threads(s->threads) schedule(static, PH_CHUNK)
             for (ptrdiff_t x = 0; x < n; x++)
                 s->w[a * n + x] = v[x] * u[a * n + x];
         if (s->by_fft)
@@ -201,7 +201,7 @@ void ph_i_springs_apply(ph_springs *s, const double *u, double scale, double *f)
         else
             sweep(s, s->w);
         for (int a = 0; a < nd; a++)
-#pragma omp parallel for simd num_threads(s->threads) schedule(static)
+#pragma omp parallel for simd num_threads(s->threads) schedule(static, PH_CHUNK)
             for (ptrdiff_t x = 0; x < n; x++)
                 f[a * n + x] -= back * v[x] * s->w[a * n + x];
     }

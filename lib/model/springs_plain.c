@@ -10,7 +10,7 @@ void ph_i_springs_plain_apply(const ph_springs *s, const double *u, double *f)
 {
     const ptrdiff_t n = s->layout.cells;
     const int nd = s->layout.nd;
-#pragma omp parallel for num_threads(s->threads) schedule(static)
+#pragma omp parallel for num_threads(s->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t x = 0; x < n; x++) {
         double sum[3] = {0};
         for (ptrdiff_t b = 0; b < s->family->count; b++) {

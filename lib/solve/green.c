@@ -91,7 +91,7 @@ ph_status ph_i_green_init(ph_green *g, ph_operator *op, const ph_sym4 *C0, ph_er
         top = fmax(top, g->inverse[k]);
     PH_CHECK(isfinite(top), PH_ESINGULAR, "the reference medium is not finite");
     if (top == 0.0) goto out; /* one cell: nothing to invert */
-#pragma omp parallel for num_threads(g->threads) schedule(static)
+#pragma omp parallel for num_threads(g->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 1; k < g->modes; k++)
         invert_mode(g->inverse, g->nd, g->modes, k, top);
     for (int i = 0; i < packed_size(g->nd); i++)
@@ -155,7 +155,7 @@ static inline void apply_pair(const ph_green *g, ptrdiff_t k, const double *r, d
 
 void ph_i_green_apply(const ph_green *g, const double *r, double *z)
 {
-#pragma omp parallel for num_threads(g->threads) schedule(static)
+#pragma omp parallel for num_threads(g->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 0; k < g->modes / 2; k++)
         apply_pair(g, 2 * k, r, z);
     if (g->modes % 2) apply_one(g, g->modes - 1, r, z);

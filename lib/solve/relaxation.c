@@ -113,7 +113,7 @@ static void step(relaxation *s, double c, bool first)
     ptrdiff_t n = (ptrdiff_t)field_size(s);
     double keep = first ? 0.0 : (2.0 - c) / (2.0 + c),
            push = first ? 0.5 : 2.0 / (2.0 + c);
-#pragma omp parallel for simd num_threads(s->op->threads) schedule(static)
+#pragma omp parallel for simd num_threads(s->op->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t i = 0; i < n; i++) {
         s->v[i] = keep * s->v[i] + push * s->inverse[i] * s->f[i];
         s->u[i] += s->v[i];
@@ -126,7 +126,7 @@ static double force(relaxation *s)
 {
     ptrdiff_t n = (ptrdiff_t)field_size(s);
     ph_i_operator_apply(s->op, s->u, s->f);
-#pragma omp parallel for simd num_threads(s->op->threads) schedule(static)
+#pragma omp parallel for simd num_threads(s->op->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t i = 0; i < n; i++)
         s->f[i] = s->inverse[i] > 0.0 ? s->b[i] - s->f[i] : 0.0;
     return sqrt(ph_i_dot(&s->space, s->f, s->f));

@@ -77,7 +77,7 @@ double ph_i_step(const ph_space *s, double alpha, const double *p, const double 
 void ph_i_direction(const ph_space *s, double beta, const double *z, double *p)
 {
     ptrdiff_t n = s->planes * s->plane;
-#pragma omp parallel for simd num_threads(s->threads) schedule(static)
+#pragma omp parallel for simd num_threads(s->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 0; k < n; k++)
         p[k] = z[k] + beta * p[k];
 }
