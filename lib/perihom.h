@@ -29,6 +29,7 @@
 #include <perihom/material.h>
 #include <perihom/microstructure.h>
 #include <perihom/output.h>
+#include <perihom/prony.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
 

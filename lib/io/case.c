@@ -14,6 +14,8 @@ static const char *const unit_keys[] = {"length", "stress", "time"};
 void ph_case_free(ph_case **c)
 {
     if (!c || !*c) return;
+    for (int i = 0; i < (*c)->nmaterials; i++)
+        ph_material_clear(&(*c)->materials[i]);
     free((*c)->materials);
     free((*c)->inclusions);
     free((*c)->fillers);

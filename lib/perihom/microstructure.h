@@ -50,7 +50,7 @@ typedef struct ph_microstructure {
     int32_t *owner;
 } ph_microstructure;
 
-/** A box of material 0 everywhere. Copies `materials`. */
+/** A box of material 0 everywhere. Copies `materials`, their relaxation series too. */
 PH_API ph_status ph_microstructure_new(const ph_grid *grid, int nmaterials,
                                        const ph_material *materials,
                                        ph_microstructure **out, ph_error *err);

@@ -4,7 +4,6 @@
 #include "core/check.h"
 
 #include <math.h>
-#include <string.h>
 
 ph_status ph_grid_init(ph_grid *grid, ph_kinematics kin, const ptrdiff_t *n,
                        const double *size, ph_error *err)
@@ -48,9 +47,10 @@ ph_status ph_microstructure_new(const ph_grid *grid, int nmaterials,
              "number of materials must be 1 to %d, got %d", UINT16_MAX, nmaterials);
     PH_ALLOC(m, 1, "the microstructure");
     m->grid = *grid;
-    m->nmaterials = nmaterials;
     PH_ALLOC(m->materials, nmaterials, "materials");
-    memcpy(m->materials, materials, (size_t)nmaterials * sizeof *materials);
+    for (; m->nmaterials < nmaterials; m->nmaterials++)
+        PH_TRY(ph_material_copy(&materials[m->nmaterials], &m->materials[m->nmaterials],
+                                err));
     PH_ALLOC(m->phase, ph_grid_cells(grid), "the phases of the cells");
     *out = m;
     m = NULL;
@@ -63,6 +63,8 @@ void ph_microstructure_free(ph_microstructure **micro)
 {
     if (!micro || !*micro) return;
     ph_microstructure *m = *micro;
+    for (int i = 0; i < m->nmaterials; i++)
+        ph_material_clear(&m->materials[i]);
     free(m->materials);
     free(m->phase);
     free(m->cuts);
