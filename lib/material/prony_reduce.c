@@ -44,8 +44,7 @@ static ph_status one_by_one(const ph_prony *p, ph_kinematics kin, ph_prony **out
     PH_TRY(ph_prony_copy(p, &r, err));
     PH_TRY(ph_sym4_reduce(&p->equilibrium, kin, &r->equilibrium, err));
     for (int m = 0; m < p->nterms; m++)
-        PH_TRY(
-            ph_sym4_reduce(&p->term[m].stiffness, kin, &r->term[m].stiffness, err));
+        PH_TRY(ph_sym4_reduce(&p->term[m].stiffness, kin, &r->term[m].stiffness, err));
     *out = r;
     r = NULL;
 out:

@@ -140,6 +140,7 @@ static ph_status new_family_part(ph_operator *op, const ph_operator_params *p,
             p->hourglass_in_space && p->stabilisation == PH_STABILISE_SPECTRAL;
         double s = in_space ? hourglass_coefficient(l, p->value, op->map->softest) : 0.0;
         PH_TRY(ph_i_cells_init(&op->cells, l, op->map, c1, c2, s, op->threads, m, err));
+        op->hourglass = s;
         op->has_cells = true;
         op->share = 1.0;
         return st;
@@ -171,7 +172,7 @@ static ptrdiff_t pad_size(const ph_operator *op)
 /* Does a field have to pass through Fourier space to meet this operator? */
 static bool by_spectrum(const ph_operator *op)
 {
-    return op->has_convolution || op->spectral;
+    return op->has_convolution || (op->spectral && op->stabilise != 0.0);
 }
 
 ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
@@ -187,6 +188,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     op->meter = meter;
     op->family = p->family;
     op->threads = p->threads > 0 ? p->threads : 1;
+    op->stabilise = 1.0;
     PH_TRY(ph_i_fft_new(&op->layout, op->threads, &op->fft, err));
     op->modes = ph_i_fft_modes(op->fft);
     size_t cells = (size_t)op->layout.cells, nd = (size_t)op->layout.nd;
@@ -208,6 +210,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
         op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
         PH_TRY(ph_i_bondlist_new(box, map, p, meter, &op->bonds, err));
+        op->hourglass = op->bonds->s;
         *out = op;
         return st;
     }
@@ -218,7 +221,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
         !(op->has_cells && p->hourglass_in_space))
         PH_TRY(new_spectral(op, p->value, err));
-    if (by_spectrum(op))
+    if (op->has_convolution || op->spectral)
         PH_DOUBLES(op->hat, meter, 2 * nd * (size_t)op->modes, "a transformed field");
     if (op->stencil || op->nsub)
         PH_DOUBLES(op->pad, meter, (size_t)pad_size(op), "padded rows");
@@ -251,6 +254,13 @@ void ph_i_operator_free(ph_operator **out)
     ph_i_fft_free(&op->fft);
     free(op);
     *out = NULL;
+}
+
+void ph_i_operator_stabilise(ph_operator *op, double factor)
+{
+    op->stabilise = factor;
+    if (op->has_cells) op->cells.hourglass = factor * op->hourglass;
+    if (op->bonds) op->bonds->s = factor * op->hourglass;
 }
 
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat)
@@ -286,14 +296,15 @@ static void add_subpoints(ph_operator *op, const double *u, const double *macro,
 
 static void add_diagonal(const ph_operator *op, const double *uhat, double *fhat)
 {
-    if (!op->spectral) return;
+    const double factor = op->stabilise;
+    if (!op->spectral || factor == 0.0) return;
     for (int a = 0; a < op->layout.nd; a++) {
         const double *u = uhat + 2 * a * op->modes, *s = op->spectral;
         double *f = fhat + 2 * a * op->modes;
 #pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
         for (ptrdiff_t k = 0; k < op->modes; k++) {
-            f[2 * k] += s[k] * u[2 * k];
-            f[2 * k + 1] += s[k] * u[2 * k + 1];
+            f[2 * k] += factor * s[k] * u[2 * k];
+            f[2 * k + 1] += factor * s[k] * u[2 * k + 1];
         }
     }
 }

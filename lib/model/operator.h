@@ -33,6 +33,8 @@ typedef struct ph_operator {
     int nsub; /* (P) of nodes: one-sided simplices of each node */
     ph_stencil *sub[8];
     double *spectral; /* [modes] S(k), or NULL */
+    double stabilise; /* factor of every term of (S), see ph_i_operator_stabilise */
+    double hourglass; /* that of the cells, and of the bond lists, at factor 1 */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */
     bool shares_f;      /* f is the beginning of e */
@@ -46,6 +48,9 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
                             const ph_operator_params *params, ph_meter *meter,
                             ph_operator **out, ph_error *err);
 void ph_i_operator_free(ph_operator **out);
+
+/** Multiply the coefficient of (S) that the operator was made with. @param factor >= 0 */
+void ph_i_operator_stabilise(ph_operator *op, double factor);
 
 /** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
 void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);

@@ -112,7 +112,7 @@ ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *mac
                       &energy->modes);
         }
     }
-    if (!op->spectral) return PH_OK;
+    if (!op->spectral || op->stabilise == 0.0) return PH_OK;
     ph_i_operator_forward(op, u, op->hat);
     ptrdiff_t row = ph_i_fft_row(op->fft);
     for (int a = 0; a < l->nd; a++)
@@ -120,8 +120,8 @@ ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *mac
             const double *z = op->hat + 2 * (a * op->modes + k);
             ptrdiff_t c = k % row;
             double w = c == 0 || (l->n[2] % 2 == 0 && c == row - 1) ? 1.0 : 2.0;
-            energy->stabilisation +=
-                w * op->spectral[k] * (z[0] * z[0] + z[1] * z[1]) / (double)l->cells;
+            energy->stabilisation += w * op->stabilise * op->spectral[k] *
+                                     (z[0] * z[0] + z[1] * z[1]) / (double)l->cells;
         }
     return PH_OK;
 }

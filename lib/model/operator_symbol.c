@@ -159,7 +159,7 @@ ph_status ph_i_operator_symbol(ph_operator *op, const ph_sym4 *C0, double *P,
                                   (1.0 - op->share) / op->nsub, P, err));
     for (int a = 0; op->spectral && a < nd; a++)
         for (ptrdiff_t k = 0; k < op->modes; k++)
-            P[a * op->modes + k] += op->spectral[k];
+            P[a * op->modes + k] += op->stabilise * op->spectral[k];
 out:
     return st;
 }

@@ -18,7 +18,7 @@ static ph_hooke classify(const ph_sym4 *c)
     return PH_HOOKE_ISOTROPIC;
 }
 
-static void store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
+void ph_i_stiffness_map_store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
 {
     int n = map->ns;
     double *to = map->c + (ptrdiff_t)entry * n * n;
@@ -157,21 +157,24 @@ static void find_used(const ph_microstructure *micro, bool composite,
 }
 
 ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure *micro,
-                                 const ph_sym4 *phase, ph_error *err)
+                                 const ph_sym4 *phase, bool mixed, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_sym4 nothing = {.n = map->ns};
-    int next = map->materials + 1;
+    int next = ph_i_first_mixture(map);
     for (int p = 0; p < map->materials; p++)
-        store(map, p, &phase[p]);
-    store(map, map->materials, &nothing);
+        ph_i_stiffness_map_store(map, p, &phase[p]);
+    ph_i_stiffness_map_store(map, map->materials, &nothing);
     for (ptrdiff_t i = 0, n; next < map->count; i += n, next++) {
-        ph_sym4 c;
+        ph_sym4 c = nothing;
         n = ph_i_cuts_of_cell(micro, i);
-        PH_TRY(mix(&micro->cuts[i], n, phase, &c, err));
-        store(map, next, &c);
+        if (mixed) PH_TRY(mix(&micro->cuts[i], n, phase, &c, err));
+        ph_i_stiffness_map_store(map, next, &c);
     }
+    if (!mixed) goto out;
+    double softest = map->softest;
     measure(map, phase, map->used);
+    if (softest > 0.0) map->softest = softest;
 out:
     return st;
 }
@@ -200,7 +203,7 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
                               &phase[p], err));
     find_used(micro, composite, source, cells, map->used);
     index_rve(map, micro, composite, entry);
-    PH_TRY(ph_i_stiffness_map_set(map, micro, phase, err));
+    PH_TRY(ph_i_stiffness_map_set(map, micro, phase, true, err));
     for (ptrdiff_t x = 0; x < cells; x++) {
         ptrdiff_t from = source ? source[x] : x;
         map->index[x] = from >= 0                ? entry[from]

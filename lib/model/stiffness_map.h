@@ -36,12 +36,16 @@ enum { PH_SOURCE_VOID = -1 }; /* other negatives: -2 - material */
 ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
                                  const ptrdiff_t *source, ptrdiff_t cells,
                                  ph_meter *meter, ph_stiffness_map **out, ph_error *err);
-/** Other tensors for the same cells: the phases [materials], reduced to the kinematics, and
- *  the laminates of the cut cells that they make; contrast, softest and middle follow. What
- *  was made of the map (a preconditioner, a factor, the coefficient of a stabilisation) does
- *  not. @return PH_OK; PH_ESINGULAR (a laminate) */
+/** Other tensors for the same cells. What was made of the map (a preconditioner, a factor)
+ *  does not follow, and `softest`, of which the stabilisation is made, stays.
+ *  @param[in] phase [materials], n = ns
+ *  @param[in] mixed true: cut cells are mixed anew, and contrast and middle are measured
+ *             again; false: cut cells hold nothing, nothing is measured
+ *  @return PH_OK; PH_ESINGULAR where a cut cell cannot be mixed */
 ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure *micro,
-                                 const ph_sym4 *phase, ph_error *err);
+                                 const ph_sym4 *phase, bool mixed, ph_error *err);
+/** One tensor of the table, with its kind. */
+void ph_i_stiffness_map_store(ph_stiffness_map *map, int entry, const ph_sym4 *c);
 void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
 
 /** Number of cuts of the cell whose first cut is `i`. Cut cells have the entries after
@@ -50,6 +54,12 @@ ptrdiff_t ph_i_cuts_of_cell(const ph_microstructure *micro, ptrdiff_t i);
 /** The fraction that a cut gets over a cell of which the share `solid` is not void; updates
  *  it. A cell keeps a least share of solid. @param[in] hole the cut brings in a void */
 double ph_i_cut_fraction(const ph_cut *cut, bool hole, double *solid);
+
+/** First entry of a cut cell: entry - this is its number in painting order of cells. */
+static inline int ph_i_first_mixture(const ph_stiffness_map *map)
+{
+    return map->materials + 1;
+}
 
 /* s = C e for one cell. */
 static inline void ph_i_hooke(const ph_stiffness_map *map, int entry, const double *e,
