@@ -239,7 +239,7 @@ out:
     return st;
 }
 
-static ph_status build(ph_run *r, ph_error *err)
+ph_status ph_i_run_build(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     char why[256];
@@ -303,7 +303,7 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
         analytic_answer(res, &res->voigt, "the cell is homogeneous");
         return PH_OK;
     }
-    PH_TRY(build(r, err));
+    PH_TRY(ph_i_run_build(r, err));
     double start = now();
     st = ph_i_run_loads(r, err);
     *solving = now() - start;

@@ -34,6 +34,8 @@ typedef struct ph_run {
 ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 /** Decide what `auto` leaves open; map and setting of the box that is solved. */
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
+/** The operator and the solver of what is prepared. */
+ph_status ph_i_run_build(ph_run *run, ph_error *err);
 /** Release everything but the result. */
 void ph_i_run_clear(ph_run *run);
 /** All cells hold the same stiffness and nothing around them is held or missing. */
