@@ -32,5 +32,6 @@
 #include <perihom/prony.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
+#include <perihom/viscoelastic.h>
 
 #endif

@@ -11,7 +11,7 @@
 /* Fewer cells than this do not pay for another thread; the result has the same bits. */
 enum { CELLS_PER_THREAD = 8192 };
 
-static double now(void)
+double ph_i_run_now(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -213,6 +213,8 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
                                   err));
     PH_CHECK(r->map->softest > 0.0, PH_EUNPHYSICAL,
              "every phase of the microstructure is void: its stiffness is zero");
+    r->map->contrast = fmax(r->map->contrast, r->contrast);
+    r->map->least_contrast = fmax(r->map->least_contrast, r->contrast);
     PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
                              res, err));
     PH_CHECK(!(res->bond.present && r->constraint->by_stress), PH_EINVAL,
@@ -272,10 +274,10 @@ out:
     return st;
 }
 
-static void account(ph_run *r, double start, double solving)
+void ph_i_run_account(ph_run *r, double start, double solving)
 {
     ph_result *res = r->result;
-    res->seconds = now() - start;
+    res->seconds = ph_i_run_now() - start;
     res->seconds_solve = solving;
     res->peak_bytes = r->meter.peak;
     res->threads = r->threads;
@@ -304,9 +306,9 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
         return PH_OK;
     }
     PH_TRY(ph_i_run_build(r, err));
-    double start = now();
+    double start = ph_i_run_now();
     st = ph_i_run_loads(r, err);
-    *solving = now() - start;
+    *solving = ph_i_run_now() - start;
     if (st == PH_ENOCONV) ph_i_run_solved_columns(r);
     if (st != PH_OK) goto out;
     PH_TRY(ph_i_run_stiffness(r, err));
@@ -318,13 +320,13 @@ ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result 
                         ph_error *err)
 {
     ph_status st = PH_OK;
-    double start = now(), solving = 0.0;
+    double start = ph_i_run_now(), solving = 0.0;
     ph_run r = {.problem = problem, .ctx = ctx};
     PH_CHECK(out, PH_EINVAL, "NULL result");
     *out = NULL;
     PH_TRY(ph_i_run_begin(&r, err));
     st = answer(&r, &solving, err);
-    account(&r, start, solving);
+    ph_i_run_account(&r, start, solving);
     if (st == PH_OK || st == PH_ENOCONV) {
         *out = r.result;
         r.result = NULL;

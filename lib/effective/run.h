@@ -24,6 +24,8 @@ typedef struct ph_run {
     const ph_solver_method *solver;
     void *state;
     double *load, *u;                     /* the operator's work fields, see solver.h */
+    double contrast;                      /* `auto` counts on at least this, of phases that
+                                           * relax */
     ph_sym4 columns;                      /* C or, by_stress, the compliance */
     double *kept[6], *residual, *product; /* of the second-order columns, or NULL */
     ph_sym4 second;                       /* u_a . r_b per averaged cell, a <= b */
@@ -34,8 +36,11 @@ typedef struct ph_run {
 ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 /** Decide what `auto` leaves open; map and setting of the box that is solved. */
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
-/** The operator and the solver of what is prepared. */
+/** The operator and its solver. */
 ph_status ph_i_run_build(ph_run *run, ph_error *err);
+/** Time, memory and counts of a run that began at `start`, into its result. */
+double ph_i_run_now(void);
+void ph_i_run_account(ph_run *run, double start, double solving);
 /** Release everything but the result. */
 void ph_i_run_clear(ph_run *run);
 /** All cells hold the same stiffness and nothing around them is held or missing. */

@@ -49,6 +49,15 @@ void ph_i_cells_pull(const ph_cells *cells, const double *sigma, const uint8_t *
 void ph_i_cells_strain(const ph_cells *cells, const double *u, const double *macro,
                        double *strain);
 
+/** Strains of all modes of some cells: 0 the average, which alone feels macro, then linear
+ *  along each direction, then bilinear across each direction (three axes only).
+ *  @param[in] cell [count] increasing
+ *  @param[out] strain [ph_i_cells_records][count][ns] Mandel */
+void ph_i_cells_records_strain(const ph_cells *cells, const double *u, const double *macro,
+                               ptrdiff_t count, const ptrdiff_t *cell, double *strain);
+/** Number of modes with an energy, and the weight of each, 1, c1 or c2. weight [7] */
+int ph_i_cells_records(const ph_cells *cells, double *weight);
+
 /** What one cell holds: twice its energy over V in the average strain, in the other modes
  *  (weights c1, c2), and in the hourglass term. */
 typedef struct ph_cell_energy {

@@ -38,6 +38,60 @@ void ph_i_cells_strain(const ph_cells *c, const double *u, const double *macro,
         }
 }
 
+int ph_i_cells_records(const ph_cells *c, double *weight)
+{
+    const ph_layout *l = &c->layout;
+    bool all_axes = l->axis[0] >= 0 && l->axis[1] >= 0 && l->axis[2] >= 0;
+    int n = 0;
+    weight[n++] = 1.0;
+    for (int d = 0; d < l->nd && c->c1 != 0.0; d++)
+        weight[n++] = c->c1;
+    for (int d = 0; d < 3 && all_axes && c->c2 != 0.0; d++)
+        weight[n++] = c->c2;
+    return n;
+}
+
+/* Strain of the mode linear along d (record 1 + d), or bilinear across d (1 + nd + d), as in
+ * linear_mode and bilinear_mode. */
+static void mode_strain(const ph_cells *c, const row *r, int record, ptrdiff_t k,
+                        double *e)
+{
+    int nd = c->layout.nd, ns = c->layout.ns;
+    bool linear = record <= nd;
+    int d = linear ? record - 1 : record - 1 - nd;
+    vec v[3] = {{0}}, sum[6];
+    for (int i = 0; i < ns; i++)
+        sum[i] = all(0.0);
+    for (int b = 0; b < nd; b++) {
+        if (linear == (b == d)) continue;
+        for (int a = 0; a < nd; a++)
+            v[a] = all(c->f[b] * r->q[a][linear ? 3 - d - b : 3][k]);
+        add_column(nd, sum, b, v);
+    }
+    for (int i = 0; i < ns; i++)
+        e[i] = sum[i][0];
+}
+
+void ph_i_cells_records_strain(const ph_cells *c, const double *u, const double *macro,
+                               ptrdiff_t count, const ptrdiff_t *cell, double *strain)
+{
+    const ph_layout *l = &c->layout;
+    weights w = ph_i_cells_weights(c, macro, 1.0);
+    row r = ph_i_cells_lines(c, 0);
+    double weight[7];
+    int records = ph_i_cells_records(c, weight);
+    ptrdiff_t line = -1;
+    for (ptrdiff_t i = 0; i < count; i++) {
+        ptrdiff_t k = cell[i] % l->n[2], at = cell[i] / l->n[2];
+        if (at != line)
+            ph_i_cells_gather(c, u, at / l->n[1], at % l->n[1], records > 1, &r);
+        line = at;
+        strain_of(c, &w, &r, k, strain + i * l->ns);
+        for (int m = 1; m < records; m++)
+            mode_strain(c, &r, m, k, strain + (m * count + i) * l->ns);
+    }
+}
+
 /* Twice the energy of the modes of one cell: sum of raw amplitude times its force. */
 static void mode_energy(const ph_cells *c, const double *q, const double *m,
                         ph_hooke kind, ph_cell_energy *energy)

@@ -27,6 +27,25 @@ ph_status ph_i_give_up(ph_status status, const ph_cg_report *rep, const char *wh
     return st;
 }
 
+/* Weight of the last node in the rule of Gauss-Radau: what is left is at most radau r.z. */
+typedef struct energy_bound {
+    double radau, alpha, rz;
+} energy_bound;
+
+/* Bound after the step before; true if that is little enough to stop. */
+static bool bound_energy(energy_bound *b, double rz, ph_cg_report *rep)
+{
+    if (!(rep->least > 0.0)) return false;
+    if (rep->iterations) {
+        double rest = b->radau - b->alpha;
+        b->radau = rest > 0.0 ? rest / (rep->least * rest + rz / b->rz) : 1.0 / rep->least;
+    } else
+        b->radau = 1.0 / rep->least;
+    b->rz = rz;
+    rep->energy_left = b->radau * rz;
+    return rep->energy_left <= rep->energy_most;
+}
+
 /* Names of [Hestenes1952]: r residual, z = M r, p direction, q = A p. */
 ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q,
                   ph_cg_report *rep, ph_error *err)
@@ -38,6 +57,8 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
     memset(p, 0, bytes);
     rep->iterations = 0;
     rep->residual = b2 > 0.0 ? 1.0 : 0.0;
+    rep->energy = rep->energy_left = 0.0;
+    energy_bound bound = {0};
     if (!isfinite(b2))
         return ph_i_give_up(PH_ESINGULAR, rep, "the load is not finite", err);
     while (rep->residual > rep->tolerance) {
@@ -45,6 +66,7 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
             return ph_i_give_up(PH_ENOCONV, rep, "not converged", err);
         s->precondition(s->self, r, q); /* z lives in q until A p is there */
         double rz_new = ph_i_dot(space, r, q);
+        if (bound_energy(&bound, rz_new, rep)) return PH_OK;
         ph_i_direction(space, rep->iterations ? rz_new / rz : 0.0, q, p);
         rz = rz_new;
         s->apply(s->self, p, q);
@@ -53,6 +75,8 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
             return ph_i_give_up(PH_ESINGULAR, rep, "the system is singular for this load",
                                 err);
         double r2 = ph_i_step(space, rz / pq, p, q, x, r);
+        bound.alpha = rz / pq;
+        rep->energy += bound.alpha * rz;
         rep->iterations++;
         rep->residual = sqrt(r2 / b2);
         if (!isfinite(r2))

@@ -21,6 +21,13 @@ typedef struct ph_cg_report {
     int load, loads; /* for the progress callback */
     int iterations;  /* out */
     double residual; /* out: relative */
+    /* Energy of the error, (x - x_k).A.(x - x_k). Conjugate gradients lower it by
+     * alpha r.z a step, and with a lower bound `least` of the eigenvalues of M A the rule of
+     * Gauss-Radau bounds what is left from above [Golub2010] ch. 12, [Meurant2013]. */
+    double least;       /* in: 0: no bound is known, and energy_left is not set */
+    double energy_most; /* in: stop as well once energy_left is not above; 0: do not */
+    double energy;      /* out: x_k.A.x_k = x.A.x - energy_left */
+    double energy_left; /* out: upper bound, or 0 where a solver is not this one */
 } ph_cg_report;
 
 /** Tell the caller where the solver is; true if it is to stop. */

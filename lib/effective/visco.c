@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "effective/visco.h"
+
+#include "core/jacobi.h"
+
+#include <math.h>
+#include <string.h>
+
+/* As in the stiffness map: near incompressibility the trace is bulk modulus. */
+static const double most_of_least = 3.0;
+
+static double softness_of(const ph_sym4 *c)
+{
+    double low, high, trace = 0.0;
+    ph_sym4_eigenvalues(c, &low, &high);
+    for (int i = 0; i < c->n; i++)
+        trace += c->m[i][i] / c->n;
+    return fmin(trace, most_of_least * low);
+}
+
+/* C_p(s) of every phase of the map; of those that are not there, nothing. */
+static ph_status phases_at(ph_visco *v, const ph_stiffness_map *map, double s,
+                           ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_microstructure *micro = v->run.problem->micro;
+    for (int p = 0; p < micro->nmaterials; p++) {
+        const ph_material *m = &micro->materials[p];
+        v->space[p] = m->relaxation ? ph_prony_carson(m->relaxation, s) : m->stiffness;
+        v->phase[p] = (ph_sym4){.n = map->ns};
+        if (!map->used[p]) continue;
+        PH_TRY(ph_sym4_reduce(&v->space[p], micro->grid.kinematics, &v->phase[p], err));
+    }
+out:
+    return st;
+}
+
+void ph_i_visco_relative(const ph_sym4 *a, const ph_sym4 *b, double *low, double *high)
+{
+    ph_sym4 root = *b, V = {.n = b->n};
+    ph_i_jacobi(b->n, 6, &root.m[0][0], &V.m[0][0]);
+    ph_sym4 R = {.n = b->n}, Rt = {.n = b->n};
+    for (int k = 0; k < b->n; k++)
+        for (int i = 0; i < b->n; i++)
+            R.m[k][i] = Rt.m[i][k] =
+                root.m[k][k] > 0.0 ? V.m[i][k] / sqrt(root.m[k][k]) : 0.0;
+    ph_sym4 c = ph_sym4_product(&R, a);
+    c = ph_sym4_product(&c, &Rt);
+    ph_sym4_eigenvalues(&c, low, high);
+}
+
+/* Lower bound of the eigenvalues of the operator in the metric of its preconditioner: of
+ * every phase in the metric of the reference medium, the term of (S) being the same in both.
+ * A laminate is at least as stiff as the softer of its phases. */
+static double least_eigenvalue(const ph_visco *v)
+{
+    const ph_stiffness_map *map = v->run.map;
+    double least = 1.0, low, high;
+    if (map->has_void || v->run.constraint->by_stress) return 0.0;
+    if (strcmp(v->run.solver->info.name, "fft_cg") != 0) return 0.0;
+    for (int p = 0; p < map->materials; p++) {
+        if (!map->used[p]) continue;
+        ph_i_visco_relative(&v->phase[p], &map->middle, &low, &high);
+        least = fmin(least, low);
+    }
+    return fmax(0.0, least * (1.0 - 1e-9));
+}
+
+ph_status ph_i_visco_set(ph_visco *v, double s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_run *r = &v->run;
+    PH_TRY(phases_at(v, r->map, s, err));
+    PH_TRY(ph_i_stiffness_map_set(r->map, r->problem->micro, v->phase, true, err));
+    double factor = 1.0, whole = 0.0, now = 0.0;
+    const ph_sym4 *at = &v->space[v->soft],
+                  *begin = &r->problem->micro->materials[v->soft].stiffness;
+    for (int i = 0; i < 6; i++)
+        now += at->m[i][i], whole += begin->m[i][i];
+    factor = now / whole;
+    r->map->softest = v->softness * factor;
+    ph_i_operator_stabilise(r->op, factor);
+    if (r->state) r->solver->free(&r->state);
+    PH_TRY(r->solver->init(&r->system, &r->state, err));
+    v->least = least_eigenvalue(v);
+out:
+    return st;
+}
+
+/* ---- set up -------------------------------------------------------------------------------- */
+
+static bool is_fluid(const ph_material *m)
+{
+    if (!m->relaxation) return false;
+    double low, high;
+    ph_sym4 begin = ph_prony_instantaneous(m->relaxation);
+    ph_i_visco_relative(&m->relaxation->equilibrium, &begin, &low, &high);
+    return !(low > 1e-12);
+}
+
+/* Contrast at both ends, so that `auto` decides for all s; the phase that is softest late. */
+static ph_status look_ahead(ph_visco *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_run *r = &v->run;
+    const ph_microstructure *micro = r->problem->micro;
+    bool composite = r->problem->interface == PH_INTERFACE_COMPOSITE;
+    double longest = 0.0, least = INFINITY, most = 0.0;
+    bool *used = NULL;
+    PH_ALLOC(used, micro->nmaterials, "phase flags");
+    for (ptrdiff_t x = 0; x < ph_grid_cells(&micro->grid); x++)
+        used[micro->phase[x]] = true;
+    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
+        used[micro->cuts[i].material] = true;
+        if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
+    }
+    for (int p = 0; p < micro->nmaterials; p++) {
+        const ph_prony *series = micro->materials[p].relaxation;
+        v->fluid = v->fluid || (used[p] && is_fluid(&micro->materials[p]));
+        for (int t = 0; series && t < series->nterms; t++)
+            longest = fmax(longest, series->term[t].time);
+    }
+    v->soft = -1;
+    for (int p = 0; p < micro->nmaterials; p++) {
+        const ph_material *m = &micro->materials[p];
+        if (!used[p] || m->is_void) continue;
+        double late = v->fluid ? 1e-6 / longest : 0.0, low, high;
+        ph_sym4 c = m->relaxation ? ph_prony_carson(m->relaxation, late) : m->stiffness;
+        ph_sym4_eigenvalues(&c, &low, &high);
+        if (v->soft < 0 || softness_of(&c) < least) v->soft = p;
+        least = fmin(least, softness_of(&c));
+        most = fmax(most, low);
+    }
+    PH_CHECK(v->soft >= 0, PH_EUNPHYSICAL,
+             "every phase of the microstructure is void: its stiffness is zero");
+    v->run.contrast = most / fmax(least, 1e-300);
+out:
+    free(used);
+    return st;
+}
+
+/* Shapes of the functions in the kinematics of the case. */
+static ph_status reduce_shapes(ph_visco *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_microstructure *micro = v->run.problem->micro;
+    int n = micro->nmaterials;
+    PH_ALLOC(v->shape, v->split.nfunctions * n, "shapes of the phases");
+    for (int q = 0; q < v->split.nfunctions; q++)
+        for (int p = 0; p < n; p++) {
+            ph_sym4 *to = &v->shape[q * n + p];
+            *to = (ph_sym4){.n = v->run.map->ns};
+            if (v->layers.six[p] || !v->run.map->used[p]) continue;
+            PH_TRY(ph_sym4_reduce(ph_i_split_shape(&v->split, q, p),
+                                  micro->grid.kinematics, to, err));
+        }
+out:
+    return st;
+}
+
+static ph_status work_fields(ph_visco *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_meter *m = &v->run.meter;
+    size_t n = ph_i_visco_size(v), x = ph_i_visco_hidden(v);
+    int ns = v->run.map->ns;
+    for (int a = 0; a < ns; a++) {
+        PH_DOUBLES(v->r[a], m, n, "a residual");
+        PH_DOUBLES(v->d[a], m, n, "a correction");
+    }
+    PH_DOUBLES(v->u, m, n, "a displacement");
+    PH_DOUBLES(v->f, m, n, "a force");
+    PH_DOUBLES(v->strain, m, (size_t)(v->sites.records * ns) * (size_t)v->layers.count,
+               "strains of cut cells");
+    PH_DOUBLES(v->x, m, x, "strains of layers");
+    PH_DOUBLES(v->y, m, x, "stresses of layers");
+out:
+    return st;
+}
+
+ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
+                           const ph_relaxation_params *params, const ph_ctx *ctx,
+                           ph_viscoelastic *out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_run *r = &v->run;
+    *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}, .out = out};
+    v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
+    PH_TRY(ph_i_run_begin(r, err));
+    const ph_microstructure *micro = r->problem->micro;
+    PH_TRY(look_ahead(v, err));
+    PH_TRY(ph_i_run_prepare(r, err));
+    PH_ALLOC(v->phase, micro->nmaterials, "phases");
+    PH_ALLOC(v->space, micro->nmaterials, "phases");
+    PH_TRY(phases_at(v, r->map, INFINITY, err));
+    v->softness = r->map->softest = softness_of(&v->phase[v->soft]);
+    PH_TRY(ph_i_run_build(r, err));
+    PH_TRY(ph_i_operator_in_space(r->op, err));
+    PH_TRY(ph_i_split_new(micro->nmaterials, micro->materials, &v->split, err));
+    PH_TRY(ph_i_layers_init(&v->layers, micro, &v->split, r->map, r->setting.region, err));
+    PH_TRY(ph_i_sites_init(&v->sites, r->op, v->layers.count, v->layers.cell, err));
+    PH_TRY(reduce_shapes(v, err));
+    PH_TRY(work_fields(v, err));
+    PH_TRY(ph_i_reduced_init(&v->model, r->map->ns, v->split.nfunctions,
+                             v->split.function, err));
+    PH_TRY(ph_i_visco_macro_rows(v, err));
+out:
+    return st;
+}
+
+void ph_i_visco_clear(ph_visco *v)
+{
+    ph_meter *m = &v->run.meter;
+    if (v->run.op) {
+        size_t n = ph_i_visco_size(v), x = ph_i_visco_hidden(v);
+        size_t e = (size_t)(v->sites.records * v->run.map->ns) * (size_t)v->layers.count;
+        for (int i = 0; i < v->nbasis; i++) {
+            ph_i_doubles_free(m, &v->basis[i].u, n);
+            ph_i_doubles_free(m, &v->basis[i].x, x);
+        }
+        for (int a = 0; a < 6; a++) {
+            ph_i_doubles_free(m, &v->r[a], n);
+            ph_i_doubles_free(m, &v->d[a], n);
+        }
+        ph_i_doubles_free(m, &v->u, n);
+        ph_i_doubles_free(m, &v->f, n);
+        ph_i_doubles_free(m, &v->strain, e);
+        ph_i_doubles_free(m, &v->x, x);
+        ph_i_doubles_free(m, &v->y, x);
+        ph_i_sites_clear(&v->sites);
+    }
+    free(v->basis);
+    ph_i_reduced_clear(&v->model);
+    ph_i_layers_clear(&v->layers);
+    ph_i_split_clear(&v->split);
+    free(v->shape);
+    free(v->whole);
+    free(v->phase);
+    free(v->space);
+    ph_i_run_clear(&v->run);
+    ph_result_free(&v->run.result);
+}
+
+void ph_i_visco_end(ph_visco *v, double start)
+{
+    ph_viscoelastic *out = v->out;
+    ph_i_run_account(&v->run, start, ph_i_run_now() - start);
+    out->functions = v->split.nfunctions;
+    out->basis = v->nbasis;
+    out->basis_bytes =
+        (size_t)v->nbasis * (ph_i_visco_size(v) + ph_i_visco_hidden(v)) * sizeof(double);
+    out->applications += v->run.op ? v->run.op->applications : 0;
+    out->seconds = ph_i_run_now() - start;
+    out->elastic = v->run.result;
+    v->run.result = NULL;
+}
