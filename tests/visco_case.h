@@ -17,8 +17,8 @@ static inline void viscous_materials(uint64_t *seed, ph_material m[VISCO_MATERIA
         t[i] = pow(10.0, check_uniform(seed, -decades, decades));
     CHECK_OK(ph_material_isotropic("filler", 20.0, 0.2, &m[0], &err));
     const ph_series_term e[2] = {{t[0], 3.0}, {30.0 * t[0], 2.0}};
-    CHECK_OK(ph_material_viscoelastic_E("resin", &(ph_series){1.0, 2, e}, 0.35, &m[1],
-                                        &err));
+    CHECK_OK(
+        ph_material_viscoelastic_E("resin", &(ph_series){1.0, 2, e}, 0.35, &m[1], &err));
     const ph_series_term k[1] = {{t[1], 2.0}}, g[2] = {{0.1 * t[1], 1.0}, {t[2], 0.5}};
     CHECK_OK(ph_material_viscoelastic_bulk_shear("gel", &(ph_series){4.0, 1, k},
                                                  &(ph_series){0.3, 2, g}, &m[2], &err));
@@ -87,9 +87,7 @@ static inline void start_case(visco_case *c, const ph_microstructure *micro,
     c->ctx = (ph_ctx){.threads = 1};
     c->run = (ph_run){.problem = &c->problem, .ctx = &c->ctx};
     c->stepper = NULL;
-    CHECK_OK(ph_i_run_begin(&c->run, &err));
-    CHECK_OK(ph_i_run_prepare(&c->run, &err));
-    CHECK_OK(ph_i_run_build(&c->run, &err));
+    CHECK_OK(ph_i_run_relaxing(&c->run, &err));
     CHECK_OK(ph_i_stepper_new(&c->run, tolerance, &c->stepper, &err));
 }
 

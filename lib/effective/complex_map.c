@@ -171,11 +171,13 @@ ph_status ph_i_complex_map_set(ph_complex_map *m, double omega, bool measure,
     for (int k = 0; k < r->ntimes; k++)
         m->weight[k] = storage_weight(omega * r->time[k]) +
                        (measure ? loss_weight(omega * r->time[k]) : 0.0);
+    m->stabilise[0] = ph_i_relaxing_stabilisation(r, 1.0, m->weight);
     if (measure) return ph_i_relaxing_map_mixed(r, 1.0, m->weight, err);
     for (int p = 0; p < r->materials; p++)
         m->phase[p].re = ph_i_relaxing_phase(r, p, 1.0, m->weight);
     for (int k = 0; k < r->ntimes; k++)
         m->weight[k] = loss_weight(omega * r->time[k]);
+    m->stabilise[1] = ph_i_relaxing_stabilisation(r, 0.0, m->weight);
     for (int p = 0; p < r->materials; p++) {
         m->phase[p].im = ph_i_relaxing_phase(r, p, 0.0, m->weight);
         store_both(m, p, &m->phase[p]);

@@ -22,6 +22,7 @@ typedef struct ph_complex_map {
     size_t reserved;
     double *weight;           /* [ntimes] */
     ph_complex_tensor *phase; /* [materials] */
+    double stabilise[2];      /* factor of (S): storage, loss */
 } ph_complex_map;
 
 ph_status ph_i_complex_map_new(ph_relaxing_map *relax, ph_complex_map **out,

@@ -50,7 +50,7 @@ static ph_status new_sweep(sweep *s, ph_error *err)
     PH_CHECK(!r->op->springs, PH_EINVAL, "frequency does not take model bond");
     PH_CHECK(!no, PH_EINVAL, "frequency cannot take this case: %s", no);
     if (r->state) r->solver->free(&r->state);
-    PH_TRY(ph_i_relaxing_map_new(r->map, r->problem->micro, m, &s->relax, err));
+    PH_TRY(ph_i_relaxing_map_new(r->map, r->problem->micro, r->soft, m, &s->relax, err));
     PH_TRY(ph_i_complex_map_new(s->relax, &s->map, err));
     s->unknowns = (size_t)(r->op->layout.nd * r->op->layout.cells);
     for (int i = 0; i < 2; i++)
@@ -66,6 +66,7 @@ static ph_status set_frequency(sweep *s, double omega, ph_error *err)
     ph_run *r = s->run;
     PH_TRY(ph_i_complex_map_set(s->map, omega, true, err));
     ph_i_fft_cg_free(&s->state);
+    ph_i_operator_stabilise(r->op, s->map->stabilise[0]);
     PH_TRY(ph_i_fft_cg_init(&r->system, &s->state, err));
     ph_i_fft_cg_parts(s->state, &s->real, s->own);
     s->size = ph_i_space_size(s->real.space);
@@ -80,7 +81,7 @@ out:
 static void show(sweep *s, bool loss)
 {
     ph_i_complex_map_show(s->map, loss);
-    ph_i_operator_stabilise(s->run->op, loss ? 0.0 : 1.0);
+    ph_i_operator_stabilise(s->run->op, s->map->stabilise[loss]);
 }
 
 static void apply(void *self, bool loss, const double *p, double *q)

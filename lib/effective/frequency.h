@@ -3,7 +3,8 @@
  *
  * With C(i omega) = C' + i C'' in every cell, A = A' + i A'' is complex symmetric, and both
  * parts are the operator of the elastic problem with other tensors. COCG needs four real
- * applications an iteration. The stabilisation is elastic: it belongs to A'.
+ * applications an iteration. The stabilisation relaxes
+ * with the phase that it follows.
  * C*(i omega) comes out with C'' positive semidefinite, for the discrete medium is a network
  * of springs and dashpots. `reduced` gives the same numbers from a few real solves; this route
  * is the check of it. Tested: tests/cross/test_relaxation_routes.c. Ref: [VanDerVorst1990] */

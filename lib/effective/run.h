@@ -23,10 +23,13 @@ typedef struct ph_run {
     ph_system system;
     const ph_solver_method *solver;
     void *state;
-    double *load, *u;                     /* the operator's work fields, see solver.h */
-    double contrast;                      /* `auto` counts on at least this, of phases that
+    double *load, *u; /* the operator's work fields, see solver.h */
+    int soft;         /* phases that relax: the one that (S) follows, */
+    double softness;  /* its softness at once, */
+    bool fluid;       /* and has one a singular equilibrium stiffness? */
+    double contrast;  /* `auto` counts on at least this, of phases that
                                            * relax */
-    ph_sym4 columns;                      /* C or, by_stress, the compliance */
+    ph_sym4 columns;  /* C or, by_stress, the compliance */
     double *kept[6], *residual, *product; /* of the second-order columns, or NULL */
     ph_sym4 second;                       /* u_a . r_b per averaged cell, a <= b */
     ph_result *result;
@@ -38,6 +41,8 @@ ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
 /** The operator and its solver. */
 ph_status ph_i_run_build(ph_run *run, ph_error *err);
+/** All of these for phases that relax: `auto` sees the contrast of all times. */
+ph_status ph_i_run_relaxing(ph_run *run, ph_error *err);
 /** Time, memory and counts of a run that began at `start`, into its result. */
 double ph_i_run_now(void);
 void ph_i_run_account(ph_run *run, double start, double solving);

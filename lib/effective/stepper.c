@@ -60,7 +60,8 @@ ph_status ph_i_stepper_new(ph_run *run, double tolerance, ph_stepper **out, ph_e
     s->ns = run->map->ns;
     s->unknowns = run->op->layout.nd * run->op->layout.cells;
     s->tangent_dt = (double)NAN;
-    PH_TRY(ph_i_relaxing_map_new(run->map, run->problem->micro, m, &s->relax, err));
+    PH_TRY(ph_i_relaxing_map_new(run->map, run->problem->micro, run->soft, m, &s->relax,
+                                 err));
     s->ntimes = s->relax->ntimes;
     PH_TRY(
         ph_i_cut_points_new(&run->setting.box, &run->params, s->relax, m, &s->cuts, err));
@@ -129,19 +130,21 @@ static ph_cut_state cut_state(const ph_stepper *s)
                           s->jump, s->jump_memory};
 }
 
-/* Show the tensors of a part: branch m, or C_inf (m = ntimes) with the stabilisation. */
+/* Show the tensors of a part: branch m, or C_inf (m = ntimes), with its share of (S). */
 static void show_part(ph_stepper *s, int m)
 {
     memset(s->weight, 0, sizeof(double) * (size_t)s->ntimes);
     if (m < s->ntimes) s->weight[m] = 1.0;
     ph_i_relaxing_map_whole(s->relax, m < s->ntimes ? 0.0 : 1.0, s->weight);
-    ph_i_operator_stabilise(s->run->op, m < s->ntimes ? 0.0 : 1.0);
+    ph_i_operator_stabilise(s->run->op,
+                            m < s->ntimes ? s->relax->give[m] : s->relax->hold);
 }
 
 static void show_tangent(ph_stepper *s)
 {
     ph_i_relaxing_map_again(s->relax);
-    ph_i_operator_stabilise(s->run->op, 1.0);
+    ph_i_operator_stabilise(s->run->op,
+                            ph_i_relaxing_stabilisation(s->relax, 1.0, s->ramp));
 }
 
 static double norm(const ph_stepper *s, const double *f)
@@ -201,7 +204,9 @@ static ph_status measure(ph_stepper *s, ph_error *err)
         for (int i = 0; i < s->ns; i++)
             part[i] /= n;
         s->part_energy += e.mean + e.modes + e.stabilisation;
-        if (!total) s->part_dissipation += (e.mean + e.modes) / s->relax->time[m];
+        if (!total)
+            s->part_dissipation +=
+                (e.mean + e.modes + e.stabilisation) / s->relax->time[m];
         for (int i = 0; total && i < s->ns; i++)
             s->mean_strain[i] = strain[i] / n;
     }
@@ -252,7 +257,8 @@ static ph_status set_tangent(ph_stepper *s, double dt, ph_error *err)
     if (dt == s->tangent_dt) return PH_OK;
     s->tangent_dt = (double)NAN;
     PH_TRY(ph_i_relaxing_map_mixed(s->relax, 1.0, s->ramp, err));
-    ph_i_operator_stabilise(r->op, 1.0);
+    r->map->softest = r->softness * ph_i_relaxing_stabilisation(s->relax, 1.0, s->ramp);
+    show_tangent(s);
     if (r->state) r->solver->free(&r->state);
     PH_TRY(r->solver->init(&r->system, &r->state, err));
     s->tangent_dt = dt;

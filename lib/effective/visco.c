@@ -6,18 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* As in the stiffness map: near incompressibility the trace is bulk modulus. */
-static const double most_of_least = 3.0;
-
-static double softness_of(const ph_sym4 *c)
-{
-    double low, high, trace = 0.0;
-    ph_sym4_eigenvalues(c, &low, &high);
-    for (int i = 0; i < c->n; i++)
-        trace += c->m[i][i] / c->n;
-    return fmin(trace, most_of_least * low);
-}
-
 /* C_p(s) of every phase of the map; of those that are not there, nothing. */
 static ph_status phases_at(ph_visco *v, const ph_stiffness_map *map, double s,
                            ph_error *err)
@@ -89,56 +77,6 @@ out:
 
 /* ---- set up -------------------------------------------------------------------------------- */
 
-static bool is_fluid(const ph_material *m)
-{
-    if (!m->relaxation) return false;
-    double low, high;
-    ph_sym4 begin = ph_prony_instantaneous(m->relaxation);
-    ph_i_visco_relative(&m->relaxation->equilibrium, &begin, &low, &high);
-    return !(low > 1e-12);
-}
-
-/* Contrast at both ends, so that `auto` decides for all s; the phase that is softest late. */
-static ph_status look_ahead(ph_visco *v, ph_error *err)
-{
-    ph_status st = PH_OK;
-    const ph_run *r = &v->run;
-    const ph_microstructure *micro = r->problem->micro;
-    bool composite = r->problem->interface == PH_INTERFACE_COMPOSITE;
-    double longest = 0.0, least = INFINITY, most = 0.0;
-    bool *used = NULL;
-    PH_ALLOC(used, micro->nmaterials, "phase flags");
-    for (ptrdiff_t x = 0; x < ph_grid_cells(&micro->grid); x++)
-        used[micro->phase[x]] = true;
-    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
-        used[micro->cuts[i].material] = true;
-        if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
-    }
-    for (int p = 0; p < micro->nmaterials; p++) {
-        const ph_prony *series = micro->materials[p].relaxation;
-        v->fluid = v->fluid || (used[p] && is_fluid(&micro->materials[p]));
-        for (int t = 0; series && t < series->nterms; t++)
-            longest = fmax(longest, series->term[t].time);
-    }
-    v->soft = -1;
-    for (int p = 0; p < micro->nmaterials; p++) {
-        const ph_material *m = &micro->materials[p];
-        if (!used[p] || m->is_void) continue;
-        double late = v->fluid ? 1e-6 / longest : 0.0, low, high;
-        ph_sym4 c = m->relaxation ? ph_prony_carson(m->relaxation, late) : m->stiffness;
-        ph_sym4_eigenvalues(&c, &low, &high);
-        if (v->soft < 0 || softness_of(&c) < least) v->soft = p;
-        least = fmin(least, softness_of(&c));
-        most = fmax(most, low);
-    }
-    PH_CHECK(v->soft >= 0, PH_EUNPHYSICAL,
-             "every phase of the microstructure is void: its stiffness is zero");
-    v->run.contrast = most / fmax(least, 1e-300);
-out:
-    free(used);
-    return st;
-}
-
 /* Shapes of the functions in the kinematics of the case. */
 static ph_status reduce_shapes(ph_visco *v, ph_error *err)
 {
@@ -186,18 +124,18 @@ ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
     ph_run *r = &v->run;
     *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}, .out = out};
     v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
-    PH_TRY(ph_i_run_begin(r, err));
+    PH_TRY(ph_i_run_relaxing(r, err));
     const ph_microstructure *micro = r->problem->micro;
-    PH_TRY(look_ahead(v, err));
-    PH_TRY(ph_i_run_prepare(r, err));
+    v->soft = r->soft;
+    v->softness = r->softness;
+    v->fluid = r->fluid;
     PH_ALLOC(v->phase, micro->nmaterials, "phases");
     PH_ALLOC(v->space, micro->nmaterials, "phases");
     PH_TRY(phases_at(v, r->map, INFINITY, err));
-    v->softness = r->map->softest = softness_of(&v->phase[v->soft]);
-    PH_TRY(ph_i_run_build(r, err));
     PH_TRY(ph_i_operator_in_space(r->op, err));
     PH_TRY(ph_i_split_new(micro->nmaterials, micro->materials, &v->split, err));
-    PH_TRY(ph_i_layers_init(&v->layers, micro, &v->split, r->map, r->setting.region, err));
+    PH_TRY(
+        ph_i_layers_init(&v->layers, micro, &v->split, r->map, r->setting.region, err));
     PH_TRY(ph_i_sites_init(&v->sites, r->op, v->layers.count, v->layers.cell, err));
     PH_TRY(reduce_shapes(v, err));
     PH_TRY(work_fields(v, err));

@@ -12,9 +12,10 @@
 
 /** A field of the basis: fluctuation u, and what the cells hide. */
 typedef struct ph_basis_field {
-    double *u;       /* [nd][cells] */
-    double macro[6]; /* uniform strain beside u (uniform_traction: so that the mean is 0) */
-    double *x;       /* strains of the layers, [records][layers.record] */
+    double *u; /* [nd][cells] */
+    double
+        macro[6]; /* uniform strain beside u (uniform_traction: so that the mean is 0) */
+    double *x;    /* strains of the layers, [records][layers.record] */
 } ph_basis_field;
 
 typedef struct ph_visco {
@@ -34,9 +35,9 @@ typedef struct ph_visco {
     double *whole; /* [functions][6][6] macro rows of the model without its layers */
     int nbasis, room;
     ph_basis_field *basis;
-    double *r[6], *d[6];        /* [nd][cells] residuals and corrections of the loads */
-    double *u, *f;              /* [nd][cells] work */
-    double *strain, *x, *y;     /* work of the layers */
+    double *r[6], *d[6];    /* [nd][cells] residuals and corrections of the loads */
+    double *u, *f;          /* [nd][cells] work */
+    double *strain, *x, *y; /* work of the layers */
 } ph_visco;
 
 /* ---- visco.c ------------------------------------------------------------------------------ */
@@ -83,7 +84,7 @@ void ph_i_visco_relative(const ph_sym4 *a, const ph_sym4 *b, double *low, double
 /** Values of s along which the contrast of the phases changes, see visco_path.c. */
 typedef struct ph_path {
     int n;
-    double *s, *t;     /* [n] falling s from infinity; t: how far the contrast has moved */
+    double *s, *t; /* [n] falling s from infinity; t: how far the contrast has moved */
 } ph_path;
 ph_status ph_i_path_new(const ph_visco *v, double tolerance, ph_path *out, ph_error *err);
 void ph_i_path_clear(ph_path *path);
@@ -100,10 +101,9 @@ ph_status ph_i_visco_answer(ph_viscoelastic *out, const ph_reduced *model,
 /* ---- routes -------------------------------------------------------------------------------- */
 
 #define PH_RELAXATION_ROUTE(name)                                                        \
-    ph_status ph_i_relaxation_##name(const ph_problem *problem,                          \
-                                     const ph_relaxation_params *params,                 \
-                                     const ph_ctx *ctx, ph_viscoelastic *out,            \
-                                     ph_error *err)
+    ph_status ph_i_relaxation_##name(                                                    \
+        const ph_problem *problem, const ph_relaxation_params *params,                   \
+        const ph_ctx *ctx, ph_viscoelastic *out, ph_error *err)
 PH_RELAXATION_ROUTE(reduced);
 PH_RELAXATION_ROUTE(carson);
 

@@ -71,9 +71,6 @@ void ph_i_bondlist_point_force(const ph_bondlist *list, ptrdiff_t point,
  *  has none. */
 void ph_i_bondlist_strain(const ph_bondlist *list, const double *u, const double *macro,
                           double *strain);
-/** Strain of point `point` of the list, [ns] Mandel. */
-void ph_i_bondlist_point_strain(const ph_bondlist *list, ptrdiff_t point, const double *u,
-                                const double *macro, double *strain);
 /** Sums over the cells with region[x] != 0 (NULL: all), as ph_i_operator_sums; `modes` of
  *  the energy is that of the sub-points. */
 void ph_i_bondlist_sums(const ph_bondlist *list, const double *u, const double *macro,

@@ -159,12 +159,6 @@ void ph_i_bondlist_strain(const ph_bondlist *l, const double *u, const double *m
     }
 }
 
-void ph_i_bondlist_point_strain(const ph_bondlist *l, ptrdiff_t point, const double *u,
-                                const double *macro, double *strain)
-{
-    strain_at(l, &l->point[point], u, macro, strain);
-}
-
 void ph_i_bondlist_sums(const ph_bondlist *l, const double *u, const double *macro,
                         const uint8_t *region, double *stress, double *strain,
                         ph_cell_energy *energy)

@@ -16,16 +16,19 @@ static int by_size(const void *a, const void *b)
 }
 
 /* The distinct times of all series that are used. */
-static ph_status find_times(ph_relaxing_map *r, ph_prony *const *series, ph_error *err)
+static ph_status find_times(ph_relaxing_map *r, ph_prony *const *series,
+                            const ph_prony *soft, ph_error *err)
 {
     ph_status st = PH_OK;
-    int all = 0, n = 0;
+    int all = soft ? soft->nterms : 0, n = 0;
     for (int p = 0; p < r->materials; p++)
         all += series[p] && r->map->used[p] ? series[p]->nterms : 0;
     PH_ALLOC(r->time, all, "relaxation times");
     for (int p = 0; p < r->materials; p++)
         for (int m = 0; series[p] && r->map->used[p] && m < series[p]->nterms; m++)
             r->time[n++] = series[p]->term[m].time;
+    for (int m = 0; soft && m < soft->nterms; m++)
+        r->time[n++] = soft->term[m].time;
     qsort(r->time, (size_t)n, sizeof *r->time, by_size);
     for (int i = 0; i < n; i++)
         if (r->ntimes == 0 ||
@@ -54,7 +57,31 @@ static void sort_terms(ph_relaxing_map *r, int p, const ph_prony *series)
     }
 }
 
-static ph_status reduce_phases(ph_relaxing_map *r, ph_error *err)
+static double trace(const ph_sym4 *c)
+{
+    double sum = 0.0;
+    for (int i = 0; i < c->n; i++)
+        sum += c->m[i][i];
+    return sum;
+}
+
+static ph_status sort_stabilisation(ph_relaxing_map *r, const ph_prony *soft,
+                                    ph_error *err)
+{
+    ph_status st = PH_OK;
+    r->hold = 1.0;
+    PH_ALLOC(r->give, r->ntimes, "the stabilisation");
+    if (!soft) return PH_OK;
+    ph_sym4 whole = ph_prony_instantaneous(soft);
+    r->hold = trace(&soft->equilibrium) / trace(&whole);
+    for (int m = 0; m < soft->nterms; m++)
+        r->give[nearest_time(r, soft->term[m].time)] +=
+            trace(&soft->term[m].stiffness) / trace(&whole);
+out:
+    return st;
+}
+
+static ph_status reduce_phases(ph_relaxing_map *r, const ph_prony *soft, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_prony **series = NULL;
@@ -67,7 +94,8 @@ static ph_status reduce_phases(ph_relaxing_map *r, ph_error *err)
         else
             PH_TRY(ph_sym4_reduce(&m->stiffness, kin, &r->infinity[p], err));
     }
-    PH_TRY(find_times(r, series, err));
+    PH_TRY(find_times(r, series, soft, err));
+    PH_TRY(sort_stabilisation(r, soft, err));
     PH_ALLOC(r->branch, r->ntimes * r->materials, "branches of the phases");
     for (int i = 0; i < r->ntimes * r->materials; i++)
         r->branch[i].n = r->map->ns;
@@ -110,7 +138,8 @@ out:
 }
 
 ph_status ph_i_relaxing_map_new(ph_stiffness_map *map, const ph_microstructure *micro,
-                                ph_meter *meter, ph_relaxing_map **out, ph_error *err)
+                                int soft, ph_meter *meter, ph_relaxing_map **out,
+                                ph_error *err)
 {
     ph_status st = PH_OK;
     ph_relaxing_map *r = NULL;
@@ -122,7 +151,7 @@ ph_status ph_i_relaxing_map_new(ph_stiffness_map *map, const ph_microstructure *
     r->materials = map->materials;
     PH_ALLOC(r->infinity, r->materials, "equilibrium tensors");
     PH_ALLOC(r->phase, r->materials, "tensors of the phases");
-    PH_TRY(reduce_phases(r, err));
+    PH_TRY(reduce_phases(r, soft >= 0 ? micro->materials[soft].relaxation : NULL, err));
     PH_TRY(new_whole(r, err));
     *out = r;
     r = NULL;
@@ -143,11 +172,21 @@ void ph_i_relaxing_map_free(ph_relaxing_map **relaxing)
     free(r->whole.c);
     free(r->whole.hooke);
     free(r->time);
+    free(r->give);
     free(r->infinity);
     free(r->branch);
     free(r->phase);
     free(r);
     *relaxing = NULL;
+}
+
+double ph_i_relaxing_stabilisation(const ph_relaxing_map *r, double infinity,
+                                   const double *weight)
+{
+    double sum = infinity * r->hold;
+    for (int m = 0; m < r->ntimes; m++)
+        sum += weight[m] * r->give[m];
+    return sum;
 }
 
 ph_sym4 ph_i_relaxing_phase(const ph_relaxing_map *r, int p, double infinity,

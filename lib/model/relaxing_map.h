@@ -32,14 +32,19 @@ typedef struct ph_relaxing_map {
     ph_sym4 *infinity; /* [materials] in the kinematics of the grid */
     ph_sym4 *branch;   /* [ntimes][materials] */
     ph_sym4 *phase;    /* [materials] work: the weighted sums */
-    bool has_cuts;     /* the map has cut cells */
+    /* (S) relaxes with the trace of one phase, `soft` (-1: not at all), as a series whose
+     * instantaneous value is 1. */
+    double hold, *give; /* equilibrium, and [ntimes] of the branches */
+    bool has_cuts;      /* the map has cut cells */
     ph_tensor_table mixed, whole;
 } ph_relaxing_map;
 
 /** @param[in] map made of `micro`; borrowed, its tensors are changed from now on
+ *  @param[in] soft the phase that (S) follows, or -1
  *  @return PH_OK; PH_ESINGULAR (a series that cannot be reduced to the plane); PH_ENOMEM */
 ph_status ph_i_relaxing_map_new(ph_stiffness_map *map, const ph_microstructure *micro,
-                                ph_meter *meter, ph_relaxing_map **out, ph_error *err);
+                                int soft, ph_meter *meter, ph_relaxing_map **out,
+                                ph_error *err);
 /** The map is left with the tensors of its cut cells as they were last. */
 void ph_i_relaxing_map_free(ph_relaxing_map **relaxing);
 
@@ -51,6 +56,9 @@ void ph_i_relaxing_map_again(ph_relaxing_map *relaxing);
 /** Weighted phases, cut cells empty. Phases that the sum leaves without stiffness are empty. */
 void ph_i_relaxing_map_whole(ph_relaxing_map *relaxing, double infinity,
                              const double *weight);
+/** The weighted sum of the factor of (S). */
+double ph_i_relaxing_stabilisation(const ph_relaxing_map *relaxing, double infinity,
+                                   const double *weight);
 /** The weighted sum of one phase. */
 ph_sym4 ph_i_relaxing_phase(const ph_relaxing_map *relaxing, int material,
                             double infinity, const double *weight);
