@@ -45,11 +45,11 @@ static inline ph_microstructure *viscous_micro(uint64_t *seed, ph_kinematics kin
     for (int i = 0; i < VISCO_MATERIALS; i++)
         ph_material_clear(&m[i]);
     if (!micro) return NULL;
-    ptrdiff_t cells = ph_grid_cells(&grid);
+    const ptrdiff_t cells = n[0] * n[1] * (ph_displacements(kin) == 3 ? n[2] : 1);
     for (ptrdiff_t x = 0; x < cells; x++)
         micro->phase[x] = (uint16_t)(VISCO_MATERIALS * check_random(seed));
     if (!cuts) return micro;
-    micro->cuts = calloc((size_t)cells, sizeof *micro->cuts);
+    micro->cuts = calloc((size_t)(cells + 1), sizeof *micro->cuts);
     for (ptrdiff_t x = 0; micro->cuts && x < cells; x += 3) {
         int many = check_random(seed) < 0.3 ? 2 : 1;
         for (int k = 0; k < many; k++) {
