@@ -19,9 +19,11 @@
 #define PERIHOM_H
 
 #include <perihom/bond.h>
+#include <perihom/card.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
 #include <perihom/distribution.h>
+#include <perihom/effective.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>
@@ -29,7 +31,10 @@
 #include <perihom/material.h>
 #include <perihom/microstructure.h>
 #include <perihom/output.h>
+#include <perihom/plot.h>
 #include <perihom/prony.h>
+#include <perihom/quantity.h>
+#include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
 #include <perihom/viscoelastic.h>

@@ -18,6 +18,7 @@ const verb verbs[] = {
     {"microstructure", "generate", "only the microstructure: picture, voxels, statistics",
      cmd_generate},
     {"look", "view", "pictures of a result", cmd_view},
+    {"look", "export", "a result as a material card for another code", cmd_export},
     {"look", "list", "the catalogues of this build: models, solvers, shapes ...",
      cmd_list},
     {"about", "version", "version, licence, compiler and libraries", cmd_version},

@@ -18,7 +18,8 @@ here=$(cd "$(dirname "$0")/.." && pwd)
 build=$here/build
 perihom=$build/tools/perihom
 packages="build-essential meson ninja-build pkg-config git libsuitesparse-dev libgsl-dev
-libfftw3-dev libhdf5-dev libopenblas-dev libyaml-dev libjansson-dev libpng-dev libcmocka-dev"
+libfftw3-dev libhdf5-dev libopenblas-dev libyaml-dev libjansson-dev libpng-dev libcmocka-dev
+python3 python3-cffi python3-dev python3-numpy calculix-ccx"
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 die() {

@@ -2,6 +2,7 @@
 /* Every catalogue of the library in one table. */
 #include <perihom/distribution.h>
 #include <perihom/estimates.h>
+#include <perihom/quantity.h>
 
 #include "model/models.h"
 #include "solve/solver.h"
@@ -24,6 +25,8 @@ static const ph_catalogue catalogues[] = {
      &ph_nestimate_methods, sizeof *ph_estimate_methods},
     {"distributions", "how a quantity of random fillers varies", ph_distributions,
      &ph_ndistributions, sizeof *ph_distributions},
+    {"quantities", "scalars of a result, by name", ph_quantity_kinds, &ph_nquantity_kinds,
+     sizeof *ph_quantity_kinds},
     {NULL, NULL, NULL, NULL, 0},
 };
 

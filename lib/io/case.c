@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/case_internal.h"
+#include "io/read_file.h"
 
-#include <errno.h>
 #include <string.h>
 
 enum { MAX_FILE = 1 << 26 };
@@ -142,34 +142,6 @@ out:
     return st;
 }
 
-static ph_status read_all(const char *path, char **text, size_t *length, ph_error *err)
-{
-    ph_status st = PH_OK;
-    size_t capacity = 1 << 16, used = 0;
-    char *buffer = NULL;
-    FILE *file = fopen(path, "rb");
-    PH_CHECK(file != NULL, PH_EIO, "%s: cannot be opened: %s", path, strerror(errno));
-    PH_ALLOC(buffer, capacity, "a case file");
-    for (;;) {
-        used += fread(buffer + used, 1, capacity - used, file);
-        if (used < capacity) break;
-        PH_CHECK(capacity < MAX_FILE, PH_EINVAL, "%s: more than 64 MB: not a case file",
-                 path);
-        capacity *= 2;
-        char *grown = realloc(buffer, capacity);
-        PH_CHECK(grown != NULL, PH_ENOMEM, "no memory for a case file");
-        buffer = grown;
-    }
-    PH_CHECK(!ferror(file), PH_EIO, "%s: cannot be read: %s", path, strerror(errno));
-    *text = buffer;
-    *length = used;
-    buffer = NULL;
-out:
-    if (file) fclose(file);
-    free(buffer);
-    return st;
-}
-
 ph_status ph_case_read(const char *path, const char *const *sets, size_t nsets,
                        ph_case **out, ph_case_issues *issues, ph_error *err)
 {
@@ -177,7 +149,7 @@ ph_status ph_case_read(const char *path, const char *const *sets, size_t nsets,
     char *text = NULL;
     size_t length = 0;
     *out = NULL;
-    PH_TRY(read_all(path, &text, &length, err));
+    PH_TRY(ph_i_read_file(path, MAX_FILE, "case file", &text, &length, err));
     PH_TRY(ph_case_parse(text, length, path, sets, nsets, out, issues, err));
 out:
     free(text);

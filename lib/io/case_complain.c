@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Complaints: where, what stands there, what is admissible. */
 #include "io/case_internal.h"
+#include "io/text.h"
 
 #include <stdarg.h>
 #include <string.h>

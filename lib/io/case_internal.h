@@ -115,8 +115,6 @@ int ph_i_read_name(ph_i_reader *r, const ph_i_node *node, ph_i_names names);
 int ph_i_read_material(ph_i_reader *r, const ph_i_node *node);
 /** "a, b or c", cut at `size`. */
 void ph_i_join_names(ph_i_names names, const char *last, char *out, size_t size);
-/** The whole text as a decimal number; whatever the locale. */
-bool ph_i_text_to_number(const char *text, double *out);
 
 /* ---- case_names.c: the words of the format, one place */
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/case_internal.h"
+#include "io/text.h"
 
 #include <string.h>
 

@@ -2,8 +2,8 @@
 #include <perihom/catalogue.h>
 
 #include "io/case_internal.h"
+#include "io/text.h"
 
-#include <locale.h>
 #include <math.h>
 #include <string.h>
 
@@ -83,47 +83,6 @@ bool ph_i_read_list(ph_i_reader *r, const ph_i_node *node, size_t count, const c
     if (node->kind == PH_I_LIST && (count == 0 || node->count == count)) return true;
     ph_i_reject(r, node, PH_EINVAL, "%s", rule);
     return false;
-}
-
-/* [-+] digits [. digits] [e [-+] digits], or .inf and .nan in YAML's spellings. */
-static bool is_number_text(const char *text)
-{
-    const char *p = text + (*text == '-' || *text == '+');
-    static const char *const special[] = {".inf", ".Inf", ".INF", ".nan", ".NaN", ".NAN"};
-    for (size_t i = 0; i < sizeof special / sizeof special[0]; i++)
-        if (strcmp(p, special[i]) == 0) return true;
-    size_t whole = strspn(p, "0123456789"), part = 0;
-    p += whole;
-    if (*p == '.') part = strspn(++p, "0123456789");
-    p += part;
-    if (whole + part == 0) return false;
-    if (*p == 'e' || *p == 'E') {
-        p++;
-        p += *p == '-' || *p == '+';
-        size_t digits = strspn(p, "0123456789");
-        if (digits == 0) return false;
-        p += digits;
-    }
-    return *p == 0;
-}
-
-bool ph_i_text_to_number(const char *text, double *out)
-{
-    char copy[64];
-    size_t n = strlen(text);
-    if (n >= sizeof copy - 8 || !is_number_text(text)) return false;
-    if (strpbrk(text, "nN")) { /* inf and nan, and nothing else, have an n */
-        *out = NAN;
-        return true;
-    }
-    /* strtod wants the decimal point of the locale that the program has chosen */
-    const char *dot = strchr(text, '.'), *point = localeconv()->decimal_point;
-    if (dot && strlen(point) < 8)
-        snprintf(copy, sizeof copy, "%.*s%s%s", (int)(dot - text), text, point, dot + 1);
-    else
-        memcpy(copy, text, n + 1);
-    *out = strtod(copy, NULL);
-    return true;
 }
 
 bool ph_i_read_number(ph_i_reader *r, const ph_i_node *node, double lo, double hi,

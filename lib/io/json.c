@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/json.h"
 
+#include "io/text.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -78,35 +80,16 @@ out:
     return st;
 }
 
-/* A growing text. Once memory has run out it stays so: jansson (2.14) overlooks a failure
- * while it writes a key and would go on. */
-typedef struct growing {
-    char *text;
-    size_t length, capacity;
-    bool failed;
-} growing;
-
+/* jansson (2.14) overlooks a failure while it writes a key and would go on: the growing text
+ * remembers. */
 static int append(const char *piece, size_t size, void *user)
 {
-    growing *g = user;
-    if (g->failed) return -1;
-    if (g->length + size + 1 > g->capacity) {
-        size_t capacity = 2 * (g->length + size + 1);
-        char *bigger = realloc(g->text, capacity);
-        g->failed = !bigger;
-        if (!bigger) return -1;
-        g->text = bigger;
-        g->capacity = capacity;
-    }
-    memcpy(g->text + g->length, piece, size);
-    g->length += size;
-    g->text[g->length] = 0;
-    return 0;
+    return ph_i_append(user, piece, size) ? 0 : -1;
 }
 
 ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err)
 {
-    growing g = {.text = NULL};
+    ph_i_growing g = {.text = NULL};
     int failed = json_dump_callback(document, append, &g,
                                     JSON_INDENT(1) | JSON_REAL_PRECISION(17));
     if (failed || g.failed || !g.text) {

@@ -2,6 +2,7 @@
 #include "io/picture.h"
 
 #include "io/draft.h"
+#include "io/text.h"
 
 #include <png.h>
 
@@ -65,15 +66,15 @@ static bool smooth_ink(const uint8_t rows[9], double u, double v)
     return corner > 0.55 && beside && above && !diagonal;
 }
 
-static void put_letter(ph_i_picture *p, int x, int y, int scale, char letter,
+static void put_letter(ph_i_picture *p, int x, int y, int scale, uint32_t code, bool up,
                        ph_i_colour colour)
 {
     enum { SAMPLES = 4 };
     uint8_t rows[9];
-    ph_i_glyph(letter, rows);
+    ph_i_glyph(code, rows);
     for (int b = 0; b < 9 * scale; b++)
         for (int a = 0; a < 5 * scale; a++) {
-            int hits = 0, px = x + a, py = y + b;
+            int hits = 0, px = up ? x + b : x + a, py = up ? y - a - 1 : y + b;
             for (int s = 0; s < SAMPLES * SAMPLES; s++) {
                 int sx = s % SAMPLES, sy = s / SAMPLES;
                 hits += smooth_ink(rows, (a + (sx + 0.5) / SAMPLES) / scale,
@@ -86,27 +87,30 @@ static void put_letter(ph_i_picture *p, int x, int y, int scale, char letter,
         }
 }
 
-/* Bytes 2, 3, 4 of a UTF-8 character. */
-static bool is_continuation(char ch)
+static void put_text(ph_i_picture *p, int x, int y, int scale, const char *text, bool up,
+                     ph_i_colour colour)
 {
-    return ((unsigned char)ch & 0xc0) == 0x80;
+    for (uint32_t code; ph_i_utf8_next(&text, &code);) {
+        put_letter(p, x, y, scale, code, up, colour);
+        *(up ? &y : &x) += (up ? -1 : 1) * PH_I_LETTER_WIDTH * scale;
+    }
 }
 
 void ph_i_text(ph_i_picture *p, int x, int y, int scale, const char *text,
                ph_i_colour colour)
 {
-    for (; *text; text++) {
-        if (is_continuation(*text)) continue;
-        put_letter(p, x, y, scale, *text, colour);
-        x += PH_I_LETTER_WIDTH * scale;
-    }
+    put_text(p, x, y, scale, text, false, colour);
+}
+
+void ph_i_text_up(ph_i_picture *p, int x, int y, int scale, const char *text,
+                  ph_i_colour colour)
+{
+    put_text(p, x, y, scale, text, true, colour);
 }
 
 int ph_i_text_width(const char *text, int scale)
 {
-    int letters = 0;
-    for (; *text; text++)
-        letters += !is_continuation(*text);
+    int letters = ph_i_utf8_letters(text);
     return letters > 0 ? (letters * PH_I_LETTER_WIDTH - 1) * scale : 0;
 }
 

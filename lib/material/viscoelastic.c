@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static ph_status check_series(const char *name, const char *what, const ph_series *s,
+static ph_status check_series(const char *name, const char *what, const ph_modulus *s,
                               ph_error *err)
 {
     ph_status st = PH_OK;
@@ -15,7 +15,7 @@ static ph_status check_series(const char *name, const char *what, const ph_serie
              "material '%s': %s: the modulus at infinity must be >= 0, got %g", name,
              what, s->infinity);
     for (int m = 0; m < s->nterms; m++) {
-        const ph_series_term *t = &s->term[m];
+        const ph_modulus_term *t = &s->term[m];
         PH_CHECK(t->modulus >= 0 && isfinite(t->modulus), PH_EUNPHYSICAL,
                  "material '%s': %s: a modulus must be >= 0, got %g", name, what,
                  t->modulus);
@@ -70,8 +70,8 @@ static ph_material unnamed(const char *name, bool isotropic)
     return m;
 }
 
-ph_status ph_material_viscoelastic_E(const char *name, const ph_series *E, double nu,
-                                     ph_material *out, ph_error *err)
+ph_status ph_material_viscoelastic_young(const char *name, const ph_modulus *E, double nu,
+                                         ph_material *out, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_prony_term *term = NULL;
@@ -112,7 +112,7 @@ static void young(ph_material *m)
 }
 
 /* The terms of K and G in one list; a time that both have is one term. */
-static int merge(const ph_series *K, const ph_series *G, ph_prony_term *term)
+static int merge(const ph_modulus *K, const ph_modulus *G, ph_prony_term *term)
 {
     int count = 0;
     for (int k = 0; k < K->nterms; k++)
@@ -131,8 +131,8 @@ static int merge(const ph_series *K, const ph_series *G, ph_prony_term *term)
     return count;
 }
 
-ph_status ph_material_viscoelastic_bulk_shear(const char *name, const ph_series *K,
-                                              const ph_series *G, ph_material *out,
+ph_status ph_material_viscoelastic_bulk_shear(const char *name, const ph_modulus *K,
+                                              const ph_modulus *G, ph_material *out,
                                               ph_error *err)
 {
     ph_status st = PH_OK;

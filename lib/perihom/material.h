@@ -42,12 +42,14 @@ PH_API ph_material ph_material_void(const char *name);
  *  @return PH_OK; PH_EUNPHYSICAL with key, value and what is admissible; PH_ENOMEM.
  *  Tested: tests/unit/test_viscoelastic_material.c */
 /** E(t) relaxes, Poisson's ratio -1 < nu < 1/2 stays: C(t) = E(t) C(1, nu). */
-PH_API ph_status ph_material_viscoelastic_E(const char *name, const ph_series *E,
-                                            double nu, ph_material *out, ph_error *err);
+PH_API ph_status ph_material_viscoelastic_young(const char *name, const ph_modulus *E,
+                                                double nu, ph_material *out,
+                                                ph_error *err);
 /** Bulk modulus K(t) and shear modulus G(t) relax each on their own. */
-PH_API ph_status ph_material_viscoelastic_bulk_shear(const char *name, const ph_series *K,
-                                                     const ph_series *G, ph_material *out,
-                                                     ph_error *err);
+PH_API ph_status ph_material_viscoelastic_bulk_shear(const char *name,
+                                                     const ph_modulus *K,
+                                                     const ph_modulus *G,
+                                                     ph_material *out, ph_error *err);
 /** Any series of spatial tensors. @param[in] series n = 6, Mandel; copied.
  *  @param[in] R rotation (row-major 3 x 3) applied to it, or NULL */
 PH_API ph_status ph_material_viscoelastic_tensor(const char *name, const ph_prony *series,

@@ -59,15 +59,45 @@ PH_API void ph_prony_rotate(ph_prony *p, const double *R);
  *  [1e-300, 1e300] are an error: PH_EUNPHYSICAL, and nothing is changed. */
 PH_API ph_status ph_prony_scale_times(ph_prony *p, double factor, ph_error *err);
 
+/** What a kinematic assumption leaves of a spatial series, see ph_sym4_reduce: itself, the
+ *  in-plane blocks, or (plane stress) the exact series of the condensed tensor
+ *  C_pp(s) - C_pd(s) C_dd(s)^-1 C_dp(s), which has times of its own where the phases' bulk
+ *  and shear moduli do not relax alike. A copy where there is nothing to do.
+ *  @return PH_OK; PH_ESINGULAR where the instantaneous tensor is singular; PH_ENOMEM.
+ *  Cost: O((terms n)^3). Tested: tests/unit/test_prony_network.c */
+PH_API ph_status ph_prony_reduce(const ph_prony *p, ph_kinematics kin, ph_prony **out,
+                                 ph_error *err);
+
+/** Creep compliance J(t) = J_0 + sum_m J_m (1 - exp(-t / tau_m)) + t Phi. Owns `term`. */
+typedef struct ph_creep {
+    ph_sym4 instantaneous; /* J_0 = C(0+)^-1, Mandel */
+    int nterms;
+    ph_prony_term *term; /* retardation times, increasing; compliances J_m >= 0 */
+    ph_sym4 fluidity;    /* Phi >= 0: zero unless C_inf is singular */
+} ph_creep;
+
+/** The exact inverse J(s) C(s) = 1 of a series. Poles of the inverse are the eigenvalues of
+ *  a matrix of internal variables, found by one-sided Jacobi to high relative accuracy, so
+ *  that times may span 24 decades. Where an eigenvalue of C_inf is below 1e-13 of the
+ *  instantaneous tensor it counts as zero: the material flows, with fluidity Phi.
+ *  @return PH_OK; PH_ESINGULAR where the instantaneous tensor is singular; PH_ENOMEM.
+ *  Cost: O((terms n)^3). Tested: tests/unit/test_prony_network.c */
+PH_API ph_status ph_prony_creep(const ph_prony *p, ph_creep **out, ph_error *err);
+PH_API void ph_creep_free(ph_creep **creep);
+/** J(t). @param t [time, >= 0, finite] */
+PH_API ph_sym4 ph_creep_at_time(const ph_creep *creep, double t);
+/** J(s) = J_0 + sum_m J_m / (1 + s tau_m) + Phi / s = C(s)^-1. @param s [1/time, > 0] */
+PH_API ph_sym4 ph_creep_carson(const ph_creep *creep, double s);
+
 /** Prony series of one modulus: M(t) = infinity + sum_m modulus_m exp(-t / time_m). */
-typedef struct ph_series_term {
+typedef struct ph_modulus_term {
     double time, modulus;
-} ph_series_term;
-typedef struct ph_series {
+} ph_modulus_term;
+typedef struct ph_modulus {
     double infinity; /* [stress, >= 0] */
     int nterms;
-    const ph_series_term *term; /* borrowed; any order, times distinct */
-} ph_series;
+    const ph_modulus_term *term; /* borrowed; any order, times distinct */
+} ph_modulus;
 
 #ifdef __cplusplus
 }

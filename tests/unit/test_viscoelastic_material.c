@@ -4,16 +4,16 @@
 #include "check.h"
 #include "tensors.h"
 
-static const ph_series_term two[] = {{10, 17}, {0.1, 5}};
-static const ph_series three_plus_two = {3, 2, two}, fluid = {0, 2, two},
-                       constant = {4, 0, NULL};
+static const ph_modulus_term two[] = {{10, 17}, {0.1, 5}};
+static const ph_modulus three_plus_two = {3, 2, two}, fluid = {0, 2, two},
+                        constant = {4, 0, NULL};
 
 static void test_E(void **state)
 {
     (void)state;
     ph_error err = PH_ERROR_INIT;
     ph_material m, at;
-    CHECK_OK(ph_material_viscoelastic_E("resin", &three_plus_two, 0.38, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young("resin", &three_plus_two, 0.38, &m, &err));
     CHECK(m.is_isotropic && m.E == 25 && m.nu == 0.38 && m.relaxation->nterms == 2);
     CHECK(m.relaxation->term[0].time == 0.1);
     ph_sym4 want = ph_sym4_isotropic(25, 0.38);
@@ -41,8 +41,8 @@ static void test_bulk_and_shear(void **state)
 {
     (void)state;
     ph_error err = PH_ERROR_INIT;
-    static const ph_series_term shear[] = {{10, 1}, {5, 2}};
-    const ph_series G = {0.5, 2, shear};
+    static const ph_modulus_term shear[] = {{10, 1}, {5, 2}};
+    const ph_modulus G = {0.5, 2, shear};
     ph_material m, at;
     CHECK_OK(ph_material_viscoelastic_bulk_shear("gel", &three_plus_two, &G, &m, &err));
     CHECK(m.relaxation->nterms == 3); /* 10 is in both */
@@ -68,7 +68,7 @@ static void test_series_without_terms_is_elastic(void **state)
     (void)state;
     ph_error err = PH_ERROR_INIT;
     ph_material m, at;
-    CHECK_OK(ph_material_viscoelastic_E("x", &constant, 0.3, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young("x", &constant, 0.3, &m, &err));
     CHECK(m.relaxation == NULL && m.E == 4);
     CHECK_OK(ph_material_viscoelastic_bulk_shear("x", &constant, &constant, &m, &err));
     CHECK(m.relaxation == NULL);
@@ -84,7 +84,7 @@ static void test_fluid(void **state)
     (void)state;
     ph_error err = PH_ERROR_INIT;
     ph_material m, at;
-    CHECK_OK(ph_material_viscoelastic_E("pitch", &fluid, 0.4, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young("pitch", &fluid, 0.4, &m, &err));
     m.density = 7;
     CHECK_OK(ph_material_at(&m, 0, &at, &err));
     CHECK(at.is_void && !at.is_isotropic && at.density == 7 &&
@@ -122,10 +122,10 @@ static void refuse(double infinity, int n, double modulus, double time, double n
                    const char *word)
 {
     ph_error err = PH_ERROR_INIT;
-    const ph_series_term term[] = {{1, 2}, {time, modulus}};
-    const ph_series bad = {infinity, n, term};
+    const ph_modulus_term term[] = {{1, 2}, {time, modulus}};
+    const ph_modulus bad = {infinity, n, term};
     ph_material m = {.E = 77};
-    CHECK(ph_material_viscoelastic_E("x", &bad, nu, &m, &err) != PH_OK);
+    CHECK(ph_material_viscoelastic_young("x", &bad, nu, &m, &err) != PH_OK);
     if (!strstr(err.msg, word)) print_error("'%s' lacks '%s'\n", err.msg, word);
     CHECK(strstr(err.msg, word) != NULL && strstr(err.msg, "'x'") != NULL);
     if (nu == 0.3) {
@@ -166,7 +166,7 @@ static void test_ownership(void **state)
     ph_microstructure *micro = NULL;
     const ptrdiff_t n[] = {2, 2};
     const double size[] = {1, 1};
-    CHECK_OK(ph_material_viscoelastic_E("resin", &three_plus_two, 0.38, &m[0], &err));
+    CHECK_OK(ph_material_viscoelastic_young("resin", &three_plus_two, 0.38, &m[0], &err));
     CHECK_OK(ph_material_isotropic("glass", 70, 0.2, &m[1], &err));
     CHECK_OK(ph_grid_init(&grid, PH_PLANE_STRAIN, n, size, &err));
     CHECK_OK(ph_microstructure_new(&grid, 2, m, &micro, &err));

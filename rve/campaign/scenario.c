@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One realisation of a case: microstructure, loads, outputs. */
+#include "core/check.h"
+
+#include <math.h>
+#include <perihom_campaign.h>
+#include <string.h>
+#include <time.h>
+
+/* Above it ph_homogenise refines the entries if it has the fields of all loads. */
+static const double refined_contrast = 1e3;
+
+static double now(void)
+{
+    struct timespec t;
+    timespec_get(&t, TIME_UTC);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static bool needs_all(const ph_case *c)
+{
+    double softest = INFINITY, stiffest = 0.0;
+    const char *kind = c->constraint.kind;
+    if (kind && strcmp(kind, "uniform_traction") == 0) return true;
+    for (int i = 0; i < c->nmaterials; i++) {
+        double low, high;
+        if (c->materials[i].is_void) return true;
+        ph_sym4_eigenvalues(&c->materials[i].stiffness, &low, &high);
+        softest = fmin(softest, low);
+        stiffest = fmax(stiffest, high);
+    }
+    return stiffest > refined_contrast * softest;
+}
+
+unsigned ph_scenario_loads(const ph_scenario *s)
+{
+    unsigned loads = 0;
+    for (int i = 0; i < s->noutputs; i++)
+        loads |= ph_quantity_loads(&s->output[i], s->c->kinematics);
+    if (loads && needs_all(s->c)) loads = (1u << ph_strains(s->c->kinematics)) - 1u;
+    return loads;
+}
+
+static ph_status check_outputs(const ph_scenario *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(s && s->c && s->output, PH_EINVAL, "NULL scenario, case or outputs");
+    PH_CHECK(s->noutputs >= 1 && s->noutputs <= PH_MAX_OUTPUTS, PH_EINVAL,
+             "%d outputs: 1 to %d are admissible", s->noutputs, PH_MAX_OUTPUTS);
+    for (int i = 0; i < s->noutputs; i++) {
+        const char *no = ph_quantity_refuses(&s->output[i], s->c->kinematics);
+        PH_CHECK(!no, PH_EINVAL, "%s: %s", s->output[i].name, no);
+    }
+out:
+    return st;
+}
+
+static void account(const ph_result *r, ph_evaluation *e)
+{
+    for (int k = 0; k < r->nloads; k++)
+        e->iterations += r->iterations[k];
+    e->nloads = r->nloads;
+    e->applications = r->applications;
+    e->peak_bytes = r->peak_bytes;
+    e->seconds_solve = r->seconds_solve;
+    e->nodes = ph_grid_cells(&r->grid);
+}
+
+ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
+                               ph_evaluation *out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    double start = now();
+    ph_microstructure *micro = NULL;
+    ph_result *result = NULL;
+    ph_evaluation e = {0};
+    PH_CHECK(out, PH_EINVAL, "NULL evaluation");
+    PH_TRY(check_outputs(s, err));
+    ph_case mine = *s->c; /* borrows the arrays of the case */
+    mine.realisation = s->realisation;
+    PH_TRY(ph_rve_build(&mine, &micro, err));
+    ph_problem problem = {.micro = micro,
+                          .interface = mine.interface,
+                          .model = mine.model,
+                          .constraint = mine.constraint,
+                          .solver = mine.solver,
+                          .loads = ph_scenario_loads(s)};
+    /* No load: the bounds need none, and the result has the fractions. */
+    if (problem.loads == 0) problem.constraint = (ph_constraint_params){.kind = "voigt"};
+    PH_TRY(ph_homogenise(&problem, ctx, &result, err));
+    e.n = s->noutputs;
+    for (int i = 0; i < e.n; i++)
+        PH_TRY(ph_quantity_value(&s->output[i], result, &e.value[i], err));
+    account(result, &e);
+    e.seconds = now() - start;
+    *out = e;
+out:
+    ph_result_free(&result);
+    ph_microstructure_free(&micro);
+    return st;
+}

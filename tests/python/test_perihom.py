@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Python package against the library and the program. Prints TAP.
+
+usage: test_perihom.py ROOT PERIHOM
+"""
+import gc
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+
+import numpy as np
+
+import perihom
+
+root, program = sys.argv[1], os.path.abspath(sys.argv[2])
+cases = os.path.join(root, "data", "cases")
+
+
+def blob(n=24, plane="generalised_strain"):
+    """A stiff square in a soft matrix."""
+    phase = np.zeros((n, n), int)
+    phase[n // 4:3 * n // 4, n // 4:3 * n // 4] = 1
+    return perihom.Microstructure([perihom.Material.isotropic("soft", 1, 0.3),
+                                   perihom.Material.isotropic("stiff", 10, 0.2)], phase, plane=plane)
+
+
+def raises(kind, call, *words):
+    try:
+        call()
+    except kind as error:
+        text = str(error) + " ".join(getattr(error, "issues", []))
+        assert all(w in text for w in words), text
+        return error
+    raise AssertionError("no %s" % kind.__name__)
+
+
+def same_as_the_program():
+    path = os.path.join(cases, "glass-epoxy-plane-strain.yaml")
+    r = perihom.run(path, {"microstructure.nodes": [32, 32]})
+    with tempfile.TemporaryDirectory() as folder:
+        out = subprocess.run([program, "run", path, "--set", "microstructure.nodes=[32, 32]", "--json", "-q", "-o",
+                              os.path.join(folder, "r")], check=True, stdout=subprocess.PIPE).stdout
+    document = json.loads(out)["effective"]
+    assert np.array_equal(r.stiffness, document["stiffness"])  # 17 digits: the same bits
+    assert r.engineering["E1"] == document["engineering"]["E1"]
+    assert r.to_dict()["effective"]["stiffness"] == document["stiffness"]
+    assert np.allclose(r.compliance @ r.stiffness, np.eye(3), atol=1e-12)
+    assert r.quantity("E1") == r.engineering["E1"] and abs(sum(r.fractions.values()) - 1) < 1e-12
+
+
+def fields_are_views():
+    r = perihom.homogenise(blob(), fields=True)
+    f = r.fields[0]
+    assert f.strain.shape == (6, 24, 24) and f.displacement.shape == (3, 24, 24)
+    # Averages: the macro strain, and the column of the stiffness (solver tolerance 1e-6).
+    assert np.allclose(f.strain.mean(axis=(1, 2)), f.macro_strain, atol=1e-12)
+    assert np.allclose(f.stress.mean(axis=(1, 2)), r.stiffness[:, 0], rtol=1e-5, atol=1e-6)
+    again = r.fields[0].strain
+    assert again.ctypes.data == f.strain.ctypes.data  # no copies
+    stress, mean = f.stress, float(f.stress.mean())
+    part = stress[0][3:9]
+    value = part.copy()
+    del r, f, again, stress
+    gc.collect()
+    junk = [np.ones(1 << 16) for _ in range(50)]  # would overwrite released memory
+    assert np.array_equal(part, value) and len(junk) == 50 and mean > 0
+
+
+def microstructures():
+    m = blob()
+    assert m.shape == (24, 24) and m.fractions == {"soft": 0.75, "stiff": 0.25}
+    m.phase[:] = 0
+    assert m.fractions["stiff"] == 0 and m.owner is None
+    r = perihom.homogenise(m)
+    assert np.isclose(r.engineering["E1"], 1) and r.cost["applications"] == 0
+    clay = perihom.Case(os.path.join(cases, "epoxy-clay.yaml"))
+    a, b, again = clay.microstructure(3), clay.microstructure(4), clay.microstructure(3)
+    assert np.array_equal(a.phase, again.phase) and not np.array_equal(a.phase, b.phase) and a.owner.max() > 5
+    assert m._repr_png_()[:4] == b"\x89PNG"
+
+
+def materials():
+    D = perihom.Material.isotropic("a", 3.5, 0.35).stiffness
+    again = perihom.Material.anisotropic("b", D, density=2.0)
+    assert np.allclose(again.stiffness, D) and again.name == "b"
+    c, s = np.cos(0.3), np.sin(0.3)
+    turned = perihom.Material.anisotropic("c", D, rotation=[[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    assert np.allclose(turned.stiffness, D)  # isotropic
+    assert not perihom.Material.void("hole").stiffness.any()
+    raises(perihom.Error, lambda: perihom.Material.isotropic("a", -1, 0.3), "-1")
+    raises(perihom.Error, lambda: perihom.Material.isotropic("a", 1, float("nan")))
+    raises(perihom.Error, lambda: perihom.Material.anisotropic("a", -D), "positive")
+    raises(ValueError, lambda: perihom.Material.anisotropic("a", D[:3]), "6 x 6")
+
+
+def wrong_arguments():
+    soft = [perihom.Material.isotropic("soft", 1, 0.3)]
+    raises(ValueError, lambda: perihom.Microstructure(soft, np.zeros(4, int)), "axes")
+    raises(ValueError, lambda: perihom.Microstructure(soft, np.zeros((0, 4), int)), "empty")
+    raises(ValueError, lambda: perihom.Microstructure(soft, np.zeros((4, 4))), "whole")
+    raises(ValueError, lambda: perihom.Microstructure(soft, np.ones((4, 4), int)), "0 to 0")
+    raises(ValueError, lambda: perihom.Microstructure(soft, np.zeros((4, 4), int), plane="flat"), "plane")
+    raises(ValueError, lambda: perihom.Microstructure(soft, np.zeros((4, 4), int), size=[1]), "2 entries")
+    raises(perihom.Error, lambda: perihom.Microstructure(soft, np.zeros((4, 4), int), size=[1, -1]))
+    m = blob()
+    raises(perihom.Error, lambda: perihom.homogenise(m, model="nonsense"), "nonsense")
+    raises(ValueError, lambda: perihom.homogenise(m, points="nonsense"), "points")
+    raises(ValueError, lambda: perihom.homogenise(m, loads=[6]), "6")
+    raises(perihom.Error, lambda: perihom.homogenise(m).quantity("E9"), "E9")
+    raises(perihom.Error, lambda: perihom.homogenise(m).card("abacus"), "abacus")
+    raises(ValueError, lambda: perihom.catalogue("nonsense"), "models")
+    error = raises(perihom.Error, lambda: perihom.Case.parse("perihom: 1\nmaterials: {a: {E: -1, nu: 2}}\n"), "E", "nu")
+    assert error.exit_code == 3 and len(error.issues) == 3 and error.issues[1].startswith("text:2:")
+    raises(perihom.Error, lambda: perihom.Case("nowhere.yaml"), "nowhere.yaml")
+    error = raises(perihom.Error, lambda: perihom.homogenise(m, tolerance=1e-300), "converged")
+    assert error.exit_code == 4 and error.iteration > 10 and error.residual > 0
+
+
+def progress_and_interruption():
+    seen = []
+    perihom.homogenise(blob(), progress=lambda *now: seen.append(now))
+    assert seen and seen[-1][0] == seen[-1][1] == 6 and seen[0][3] > seen[3][3]
+    assert raises(perihom.Error, lambda: perihom.homogenise(blob(), progress=lambda *a: False)).exit_code == 130
+
+    def stop(*now):
+        raise KeyboardInterrupt
+
+    raises(KeyboardInterrupt, lambda: perihom.homogenise(blob(), progress=stop))
+
+
+def threads_do_not_meet():
+    """Two threads that solve different problems at once get the bits that they get alone."""
+    planes, alone = ["strain", "stress", "generalised_strain", "strain"], []
+    for plane in planes:
+        alone.append(perihom.homogenise(blob(40, plane), threads=1).stiffness)
+    for _ in range(3):
+        together = [None] * len(planes)
+
+        def solve(i):
+            together[i] = perihom.homogenise(blob(40, planes[i]), threads=1).stiffness
+
+        work = [threading.Thread(target=solve, args=(i,)) for i in range(len(planes))]
+        [w.start() for w in work]
+        [w.join() for w in work]
+        assert all(np.array_equal(a, b) for a, b in zip(alone, together))
+
+
+def cards_and_catalogues():
+    assert {"models", "solvers", "formats"} <= set(perihom.catalogues())
+    assert "nosb" in [e["name"] for e in perihom.catalogue("models")]
+    r = perihom.homogenise(blob())
+    assert "*ELASTIC" in r.card("calculix", name="rve") and "NAME=rve" in r.card("calculix", name="rve")
+    raises(perihom.Error, lambda: r.card("openradioss"), "isotropic")
+    assert "/MAT/ELAST/7" in r.card("openradioss", id=7, nearest=True)
+    assert "E1" in repr(r) and "<table>" in r._repr_html_()
+
+
+tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
+         threads_do_not_meet, cards_and_catalogues]
+failed = 0
+for number, test in enumerate(tests, 1):
+    try:
+        test()
+        print("ok %d - %s" % (number, test.__name__))
+    except Exception as error:
+        failed += 1
+        print("not ok %d - %s\n# %s: %s" % (number, test.__name__, type(error).__name__, error))
+        import traceback
+        traceback.print_exc()
+print("1..%d" % len(tests))
+sys.exit(failed > 0)

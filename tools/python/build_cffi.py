@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes the C source of the extension module perihom._perihom.
+
+Structures are declared with `...`: the C compiler fills in what is not named here, so their
+layout is that of the headers and not a copy of it.
+
+usage: build_cffi.py OUTPUT.c
+"""
+import sys
+
+from cffi import FFI
+
+DECLARATIONS = r"""
+typedef int ph_status;
+typedef struct { ph_status status; int iteration; double residual; char msg[...]; ...; } ph_error;
+const char *ph_status_text(ph_status status);
+int ph_status_exit_code(ph_status status);
+const char *ph_version(void);
+const char *ph_git_revision(void);
+
+typedef struct { const char *stage; int load, loads, iteration; double residual, tolerance; ...; } ph_progress;
+typedef struct { bool (*progress)(void *user, const ph_progress *now); void *user; int threads; ...; } ph_ctx;
+
+typedef struct { const char *name, *title, *reference, *valid; ...; } ph_entry;
+typedef struct { const char *name, *title; const size_t *count; ...; } ph_catalogue;
+const ph_catalogue *ph_catalogues(void);
+const ph_entry *ph_catalogue_entry(const ph_catalogue *catalogue, size_t i);
+const ph_catalogue *ph_card_formats(void);
+
+typedef struct { int n; double m[6][6]; ...; } ph_sym4;
+void ph_sym4_to_voigt(const ph_sym4 *c, bool stiffness, double *voigt);
+ph_sym4 ph_sym4_from_voigt(int n, const double *voigt, bool stiffness);
+ph_status ph_sym4_inverse(const ph_sym4 *c, ph_sym4 *inv, ph_error *err);
+typedef struct { double E[3]; double nu[3][3]; double G23, G13, G12; ...; } ph_engineering;
+ph_status ph_engineering_constants(const ph_sym4 *c, ph_engineering *out, ph_error *err);
+typedef struct { double E, nu, K, G, distance; ...; } ph_isotropic;
+ph_isotropic ph_nearest_isotropic(const ph_sym4 *c, int kin);
+
+typedef struct { char name[64]; bool is_void, is_isotropic; double E, nu, density; ph_sym4 stiffness; ...; } ph_material;
+ph_status ph_material_isotropic(const char *name, double E, double nu, ph_material *out, ph_error *err);
+ph_status ph_material_anisotropic(const char *name, const double *voigt, const double *R, ph_material *out, ph_error *err);
+ph_material ph_material_void(const char *name);
+
+typedef struct { int kinematics; ptrdiff_t n[3]; double size[3]; double h[3]; ...; } ph_grid;
+ph_status ph_grid_init(ph_grid *grid, int kin, const ptrdiff_t *n, const double *size, ph_error *err);
+typedef struct { ph_grid grid; int nmaterials; ph_material *materials; uint16_t *phase; ptrdiff_t ncuts;
+                 int32_t *owner; ...; } ph_microstructure;
+ph_status ph_microstructure_new(const ph_grid *grid, int nmaterials, const ph_material *materials,
+                                ph_microstructure **out, ph_error *err);
+void ph_microstructure_free(ph_microstructure **micro);
+void ph_microstructure_fractions(const ph_microstructure *micro, double *fraction);
+
+typedef struct { const char *kind; int points; double horizon; bool horizon_is_length; const char *influence;
+                 const char *weights; int stabilisation; double stabilisation_value; double kappa; ...; } ph_model_params;
+typedef struct { const char *kind; double tolerance; int max_iterations; ...; } ph_solver_params;
+typedef struct { const char *kind; int collar; ...; } ph_constraint_params;
+typedef struct { const ph_microstructure *micro; int interface; ph_model_params model;
+                 ph_constraint_params constraint; ph_solver_params solver; unsigned loads; bool keep_fields; ...; } ph_problem;
+typedef struct { int load; double macro_strain[6]; int nu, ns; double *displacement, *strain, *stress; ...; } ph_fields;
+typedef struct { ph_grid grid; ph_sym4 stiffness; unsigned loads; ph_sym4 voigt, reuss; bool reuss_is_zero;
+                 int nmaterials; char (*names)[64]; double *fractions; const char *model, *constraint, *solver, *route;
+                 double horizon; int nloads; int iterations[6]; double residual[6]; bool converged; double hill_mandel,
+                 strain_average, asymmetry, stabilisation_energy; long applications, ffts; double seconds,
+                 seconds_solve; size_t peak_bytes; int threads; int nnotes; char notes[...][256]; int nfields;
+                 ph_fields *fields; ...; } ph_result;
+ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result **out, ph_error *err);
+void ph_result_free(ph_result **result);
+
+typedef struct { char title[...]; int nmaterials; ph_material *materials; int kinematics; uint64_t seed, realisation;
+                 int interface; ph_model_params model; ph_constraint_params constraint; ph_solver_params solver;
+                 bool fields; ...; } ph_case;
+typedef struct { int line; bool warning; char message[...]; ...; } ph_case_issue;
+typedef struct { size_t count; ph_case_issue *item; ...; } ph_case_issues;
+void ph_case_issues_free(ph_case_issues *issues);
+void ph_case_issue_text(const ph_case_issue *issue, const char *name, char *text, size_t size);
+ph_status ph_case_read(const char *path, const char *const *sets, size_t nsets, ph_case **out,
+                       ph_case_issues *issues, ph_error *err);
+ph_status ph_case_parse(const char *text, size_t length, const char *name, const char *const *sets, size_t nsets,
+                        ph_case **out, ph_case_issues *issues, ph_error *err);
+void ph_case_free(ph_case **c);
+ph_status ph_case_to_json(const ph_case *c, char **json, ph_error *err);
+
+typedef struct { char name[...]; ...; } ph_quantity;
+ph_status ph_quantity_find(const char *name, ph_quantity *out, ph_error *err);
+unsigned ph_quantity_loads(const ph_quantity *q, int kin);
+ph_status ph_quantity_value(const ph_quantity *q, const ph_result *result, double *out, ph_error *err);
+
+ph_status ph_result_to_json(const ph_result *result, const ph_case *c, const char *command, char **json, ph_error *err);
+ph_status ph_write_fields(const char *base, const ph_microstructure *micro, const ph_result *result, const ph_case *c,
+                          ph_error *err);
+ph_status ph_write_phases_png(const char *path, const ph_microstructure *micro, int axis, const char *title,
+                              ph_error *err);
+ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value, int axis, const char *title,
+                       ph_error *err);
+
+typedef struct { ph_sym4 stiffness; ...; } ph_effective;
+ph_status ph_effective_from_result(const ph_result *result, const ph_case *c, ph_effective **out, ph_error *err);
+ph_status ph_effective_read(const char *path, ph_effective **out, ph_error *err);
+void ph_effective_free(ph_effective **effective);
+typedef struct { const char *name; int id; int symmetry; double tolerance; bool nearest; ...; } ph_card_params;
+ph_status ph_card_write(const ph_effective *effective, const char *format, const ph_card_params *params, char **text,
+                        double *distance, ph_error *err);
+
+ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err);
+
+void free(void *);
+extern "Python" bool perihom_progress(void *user, const ph_progress *now);
+"""
+
+SOURCE = """
+#include <perihom.h>
+#include <perihom_rve.h>
+"""
+
+ffi = FFI()
+ffi.cdef(DECLARATIONS)
+ffi.set_source("_perihom", SOURCE)
+ffi.emit_c_code(sys.argv[1])

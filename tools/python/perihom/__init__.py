@@ -1,0 +1,583 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Effective properties of composites from their microstructure.
+
+    import perihom
+    result = perihom.run("boron-aluminium.yaml")
+    result.stiffness          # Voigt 11 22 33 23 13 12, engineering shear
+    result.engineering["E1"]
+
+Tensors are NumPy arrays in Voigt order with engineering shear (2D: 11 22 12). Fields and the
+phases of a microstructure are views of the memory of the library: no copies, alive as long as
+their object. Long calls release the interpreter, so threads may solve different problems.
+"""
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from ._perihom import ffi, lib
+
+__all__ = ["Case", "Error", "Fields", "Material", "Microstructure", "Result", "card", "catalogue", "catalogues",
+           "homogenise", "run", "version"]
+
+_KINEMATICS = ("space", "generalised_strain", "strain", "stress")
+_POINTS = {"auto": 0, "nodes": 1, "stress": 2}
+_STABILISATION = {"auto": 0, "spectral": 1, "subpoint": 2, "none": 3}
+_INTERFACE = {"composite": 0, "node_centre": 1}
+_SYMMETRY = {None: 0, "isotropic": 1, "orthotropic": 2, "anisotropic": 3}
+
+version = ffi.string(lib.ph_version()).decode()
+
+
+class Error(Exception):
+    """What the library says went wrong.
+
+    status: a word such as "not converged"; exit_code: that of the program; issues: every
+    complaint about a case file; iteration and residual of a solver that failed.
+    """
+
+    def __init__(self, message: str, status: int, iteration: int = 0, residual: float = 0.0,
+                 issues: Sequence[str] = ()):
+        super().__init__(message)
+        self.status = ffi.string(lib.ph_status_text(status)).decode()
+        self.exit_code = lib.ph_status_exit_code(status)
+        self.iteration = iteration
+        self.residual = residual
+        self.issues = list(issues)
+
+
+def _text(pointer) -> str:
+    return ffi.string(pointer).decode("utf-8", "replace")
+
+
+def _check(status: int, err, issues: Sequence[str] = ()) -> None:
+    if status:
+        raise Error(_text(err.msg) or ffi.string(lib.ph_status_text(status)).decode(), status, err.iteration,
+                    err.residual, issues)
+
+
+def _take_text(pointer) -> str:
+    """A malloc'd text, released."""
+    text = ffi.string(pointer[0]).decode()
+    lib.free(pointer[0])
+    return text
+
+
+def _voigt(tensor, stiffness: bool = True) -> np.ndarray:
+    n = tensor.n
+    out = np.zeros((n, n))
+    lib.ph_sym4_to_voigt(ffi.new("ph_sym4 *", tensor), stiffness, ffi.cast("double *", out.ctypes.data))
+    return out
+
+
+def _view(owner, pointer, ctype: str, shape: Sequence[int]) -> np.ndarray:
+    """An array on the memory of `owner`, which it keeps alive."""
+    n = int(np.prod(shape))
+    array = np.frombuffer(ffi.buffer(ffi.cast(ctype + " *", pointer), n * ffi.sizeof(ctype)),
+                          dtype={"double": np.float64, "uint16_t": np.uint16, "int32_t": np.int32}[ctype])
+    return _Owned(array.reshape(shape), owner)
+
+
+class _Owned(np.ndarray):
+    """A view that holds on to the object whose memory it shows."""
+
+    def __new__(cls, array: np.ndarray, owner: Any):
+        self = array.view(cls)
+        self._owner = owner
+        return self
+
+    def __array_finalize__(self, obj):
+        self._owner = getattr(obj, "_owner", None)
+
+
+# ---- materials ---------------------------------------------------------------------------
+
+
+class Material:
+    """A phase. Use the constructors Material.isotropic, .anisotropic and .void."""
+
+    def __init__(self, handle):
+        self._c = handle
+
+    @classmethod
+    def isotropic(cls, name: str, E: float, nu: float, density: Optional[float] = None) -> "Material":
+        """Young's modulus E > 0 and Poisson's ratio -1 < nu < 1/2."""
+        c, err = ffi.new("ph_material *"), ffi.new("ph_error *")
+        _check(lib.ph_material_isotropic(name.encode(), E, nu, c, err), err)
+        return cls._with_density(c, density)
+
+    @classmethod
+    def anisotropic(cls, name: str, stiffness, rotation=None, density: Optional[float] = None) -> "Material":
+        """stiffness 6 x 6 Voigt 11 22 33 23 13 12, engineering shear, positive definite;
+        rotation 3 x 3 applied to it."""
+        c, err = ffi.new("ph_material *"), ffi.new("ph_error *")
+        D = np.ascontiguousarray(stiffness, dtype=float)
+        if D.shape != (6, 6):
+            raise ValueError("stiffness must be 6 x 6, got %s" % (D.shape,))
+        R = ffi.NULL
+        if rotation is not None:
+            turn = np.ascontiguousarray(rotation, dtype=float)
+            if turn.shape != (3, 3):
+                raise ValueError("rotation must be 3 x 3, got %s" % (turn.shape,))
+            R = ffi.cast("double *", turn.ctypes.data)
+        _check(lib.ph_material_anisotropic(name.encode(), ffi.cast("double *", D.ctypes.data), R, c, err), err)
+        return cls._with_density(c, density)
+
+    @classmethod
+    def void(cls, name: str) -> "Material":
+        """A hole."""
+        return cls(ffi.new("ph_material *", lib.ph_material_void(name.encode())))
+
+    @classmethod
+    def _with_density(cls, c, density):
+        if density is not None:
+            c.density = density
+        return cls(c)
+
+    @property
+    def name(self) -> str:
+        return _text(self._c.name)
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        return _voigt(self._c.stiffness)
+
+    def __repr__(self):
+        return "Material(%r)" % self.name
+
+
+# ---- microstructures ---------------------------------------------------------------------
+
+
+class Microstructure:
+    """Which material is where: a periodic box of equal cells.
+
+    materials: list of Material; phase: array of indices into it, shape (n0, n1) or (n0, n1, n2);
+    size: of the box; plane (2D): "generalised_strain", "strain" or "stress".
+    """
+
+    def __init__(self, materials: Sequence[Material], phase, size: Optional[Sequence[float]] = None,
+                 plane: str = "generalised_strain"):
+        values = np.asarray(phase)
+        if values.ndim not in (2, 3):
+            raise ValueError("phase must have 2 or 3 axes, got %d" % values.ndim)
+        if values.dtype.kind not in "iub":
+            raise ValueError("phase must hold whole numbers, got %s" % values.dtype)
+        if values.size == 0:
+            raise ValueError("phase is empty")
+        if values.min() < 0 or values.max() >= len(materials):
+            raise ValueError("phase must be 0 to %d, found %d to %d" % (len(materials) - 1, values.min(), values.max()))
+        if plane not in _KINEMATICS[1:]:
+            raise ValueError("plane must be generalised_strain, strain or stress, got %r" % plane)
+        if size is not None and len(size) != values.ndim:
+            raise ValueError("size must have %d entries" % values.ndim)
+        kin = 0 if values.ndim == 3 else _KINEMATICS.index(plane)
+        err = ffi.new("ph_error *")
+        grid = ffi.new("ph_grid *")
+        lengths = [float(x) for x in (size if size is not None else [1.0] * values.ndim)]
+        _check(lib.ph_grid_init(grid, kin, ffi.new("ptrdiff_t[]", list(values.shape)), ffi.new("double[]", lengths),
+                                err), err)
+        table = ffi.new("ph_material[]", max(1, len(materials)))
+        for i, m in enumerate(materials):
+            table[i] = m._c[0]
+        out = ffi.new("ph_microstructure **")
+        _check(lib.ph_microstructure_new(grid, len(materials), table, out, err), err)
+        self._own(out[0])
+        self.phase[...] = values
+
+    def _own(self, pointer):
+        self._c = ffi.gc(pointer, lambda p: lib.ph_microstructure_free(ffi.new("ph_microstructure **", p)))
+
+    @classmethod
+    def _wrap(cls, pointer) -> "Microstructure":
+        self = cls.__new__(cls)
+        self._own(pointer)
+        return self
+
+    @property
+    def shape(self):
+        """Cells along each axis."""
+        n = self._c.grid.n
+        return (n[0], n[1], n[2]) if self._c.grid.kinematics == 0 else (n[0], n[1])
+
+    @property
+    def kinematics(self) -> str:
+        """space, generalised_strain, strain or stress"""
+        return _KINEMATICS[self._c.grid.kinematics]
+
+    @property
+    def size(self):
+        return tuple(self._c.grid.size[i] for i in range(len(self.shape)))
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Material of each cell: a view that may be written to."""
+        return _view(self._c, self._c.phase, "uint16_t", self.shape)
+
+    @property
+    def owner(self) -> Optional[np.ndarray]:
+        """Filler of each cell, from 1; 0: none. None where no fillers were placed."""
+        return None if self._c.owner == ffi.NULL else _view(self._c, self._c.owner, "int32_t", self.shape)
+
+    @property
+    def fractions(self) -> dict:
+        """Volume fraction of each material, cut cells counted with their parts."""
+        f = ffi.new("double[]", self._c.nmaterials)
+        lib.ph_microstructure_fractions(self._c, f)
+        return {_text(self._c.materials[i].name): f[i] for i in range(self._c.nmaterials)}
+
+    def write_png(self, path: Union[str, os.PathLike], axis: int = 3, title: str = "") -> None:
+        """A picture of the phases; in 3D the middle slice normal to `axis`."""
+        err = ffi.new("ph_error *")
+        _check(lib.ph_write_phases_png(os.fsencode(path), self._c, axis, title.encode("ascii", "replace"), err), err)
+
+    def _repr_png_(self) -> bytes:
+        return _picture(self.write_png)
+
+    def __repr__(self):
+        return "Microstructure(%s, %s)" % (" x ".join(map(str, self.shape)), self.fractions)
+
+
+def _picture(write: Callable) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "picture.png")
+        write(path)
+        with open(path, "rb") as f:
+            return f.read()
+
+
+# ---- cases -------------------------------------------------------------------------------
+
+
+def _sets(sets: Optional[Mapping[str, Any]]):
+    """C array of "key.path=value" and what keeps its texts alive."""
+    texts = [ffi.new("char[]", ("%s=%s" % (k, v if isinstance(v, str) else json.dumps(v))).encode())
+             for k, v in (sets or {}).items()]
+    return ffi.new("const char *[]", texts + [ffi.NULL]), texts
+
+
+class Case:
+    """A case file, parsed and checked.
+
+    Case("file.yaml", sets={"microstructure.nodes": [64, 64]}) or Case.parse(text) or, with
+    the same keys as a dictionary, Case.from_dict({...}).
+    """
+
+    def __init__(self, path: Union[str, os.PathLike], sets: Optional[Mapping[str, Any]] = None):
+        array, keep = _sets(sets)
+        self._read(lambda out, issues, err: lib.ph_case_read(os.fsencode(path), array, len(keep), out, issues, err),
+                   str(path))
+
+    @classmethod
+    def parse(cls, text: str, sets: Optional[Mapping[str, Any]] = None, name: str = "text") -> "Case":
+        """From the text of a case file."""
+        self = cls.__new__(cls)
+        array, keep = _sets(sets)
+        data = text.encode()
+        self._read(lambda out, issues, err: lib.ph_case_parse(data, len(data), name.encode(), array, len(keep), out,
+                                                              issues, err), name)
+        return self
+
+    @classmethod
+    def from_dict(cls, case: Mapping[str, Any], sets: Optional[Mapping[str, Any]] = None) -> "Case":
+        """From a dictionary with the keys of a case file."""
+        return cls.parse(json.dumps(case), sets, "case")
+
+    def _read(self, call, name):
+        out, issues, err = ffi.new("ph_case **"), ffi.new("ph_case_issues *"), ffi.new("ph_error *")
+        status = call(out, issues, err)
+        texts = []
+        line = ffi.new("char[]", 1024)
+        for i in range(issues.count):
+            lib.ph_case_issue_text(ffi.addressof(issues.item[i]), name.encode(), line, 1024)
+            texts.append(_text(line))
+        lib.ph_case_issues_free(issues)
+        _check(status, err, texts)
+        self.warnings = texts
+        self._c = ffi.gc(out[0], lambda p: lib.ph_case_free(ffi.new("ph_case **", p)))
+
+    @property
+    def title(self) -> str:
+        return _text(self._c.title)
+
+    def to_dict(self) -> dict:
+        """The resolved case: every default filled in."""
+        out, err = ffi.new("char **"), ffi.new("ph_error *")
+        _check(lib.ph_case_to_json(self._c, out, err), err)
+        return json.loads(_take_text(out))
+
+    def microstructure(self, realisation: Optional[int] = None) -> Microstructure:
+        """Shapes and random fillers painted; `realisation` counts the random ones of a seed."""
+        if realisation is not None:
+            self._c.realisation = realisation
+        out, err = ffi.new("ph_microstructure **"), ffi.new("ph_error *")
+        _check(lib.ph_rve_build(self._c, out, err), err)
+        return Microstructure._wrap(out[0])
+
+    def run(self, realisation: Optional[int] = None, **options) -> "Result":
+        """Build and solve; options as those of `homogenise` that are not the case's."""
+        return homogenise(self.microstructure(realisation), case=self, **options)
+
+    def __repr__(self):
+        return "Case(%r)" % self.title
+
+
+# ---- results -----------------------------------------------------------------------------
+
+
+class Fields:
+    """Fields of one load case, per unit of its macro strain; views without copies.
+
+    strain, stress: [component][cell ...] in Voigt order, engineering shear;
+    displacement: [axis][cell ...], the total one.
+    """
+
+    def __init__(self, owner, c, shape):
+        self.load = c.load
+        self.macro_strain = np.array([c.macro_strain[i] for i in range(c.ns)])
+        self.displacement = _view(owner, c.displacement, "double", (c.nu, *shape))
+        self.strain = _view(owner, c.strain, "double", (c.ns, *shape))
+        self.stress = _view(owner, c.stress, "double", (c.ns, *shape))
+
+
+class Result:
+    """What a solve gave. Columns of loads that were not solved are zero in `stiffness`."""
+
+    def __init__(self, pointer, case: Optional[Case], micro: Microstructure):
+        self._c = ffi.gc(pointer, lambda p: lib.ph_result_free(ffi.new("ph_result **", p)))
+        self._case = case
+        self._shape = micro.shape
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        """Effective stiffness, Voigt, engineering shear, units of the case."""
+        return _voigt(self._c.stiffness)
+
+    @property
+    def compliance(self) -> np.ndarray:
+        inverse, err = ffi.new("ph_sym4 *"), ffi.new("ph_error *")
+        _check(lib.ph_sym4_inverse(ffi.new("ph_sym4 *", self._c.stiffness), inverse, err), err)
+        return _voigt(inverse[0], False)
+
+    @property
+    def engineering(self) -> dict:
+        """E1 E2 E3 nu12 ... G12 of the effective tensor, those that there are."""
+        e, err = ffi.new("ph_engineering *"), ffi.new("ph_error *")
+        _check(lib.ph_engineering_constants(ffi.new("ph_sym4 *", self._c.stiffness), e, err), err)
+        out = {"E%d" % (i + 1): e.E[i] for i in range(3)}
+        out.update({"nu%d%d" % (i + 1, j + 1): e.nu[i][j] for i in range(3) for j in range(3) if i != j})
+        out.update(G23=e.G23, G13=e.G13, G12=e.G12)
+        return {k: v for k, v in out.items() if v == v}
+
+    @property
+    def isotropic(self) -> dict:
+        """E nu K G of the nearest isotropic tensor, and how far it is."""
+        iso = lib.ph_nearest_isotropic(ffi.new("ph_sym4 *", self._c.stiffness), self._c.grid.kinematics)
+        return {"E": iso.E, "nu": iso.nu, "K": iso.K, "G": iso.G, "distance": iso.distance}
+
+    @property
+    def voigt(self) -> np.ndarray:
+        """Upper bound: mean stiffness."""
+        return _voigt(self._c.voigt)
+
+    @property
+    def reuss(self) -> np.ndarray:
+        """Lower bound: inverse of the mean compliance; zero with a void phase."""
+        return _voigt(self._c.reuss)
+
+    @property
+    def fractions(self) -> dict:
+        return {_text(self._c.names[i]): self._c.fractions[i] for i in range(self._c.nmaterials)}
+
+    @property
+    def quality(self) -> dict:
+        return {"hill_mandel": self._c.hill_mandel, "strain_average": self._c.strain_average,
+                "asymmetry": self._c.asymmetry, "stabilisation_energy": self._c.stabilisation_energy}
+
+    @property
+    def iterations(self) -> list:
+        return [self._c.iterations[i] for i in range(self._c.nloads)]
+
+    @property
+    def cost(self) -> dict:
+        return {"seconds": self._c.seconds, "seconds_solve": self._c.seconds_solve, "peak_bytes": self._c.peak_bytes,
+                "threads": self._c.threads, "applications": self._c.applications, "ffts": self._c.ffts}
+
+    @property
+    def notes(self) -> list:
+        """What `auto` chose and why, warnings."""
+        return [_text(self._c.notes[i]) for i in range(self._c.nnotes)]
+
+    @property
+    def fields(self) -> list:
+        """Fields of each load, where they were kept."""
+        return [Fields(self._c, self._c.fields[i], self._shape) for i in range(self._c.nfields)]
+
+    def quantity(self, name: str) -> float:
+        """A scalar by name: "E1", "isotropic.K", "C12", "fraction.glass" ..."""
+        q, err, value = ffi.new("ph_quantity *"), ffi.new("ph_error *"), ffi.new("double *")
+        _check(lib.ph_quantity_find(name.encode(), q, err), err)
+        _check(lib.ph_quantity_value(q, self._c, value, err), err)
+        return value[0]
+
+    def to_dict(self) -> dict:
+        """The result document, schema perihom.result/1."""
+        out, err = ffi.new("char **"), ffi.new("ph_error *")
+        case = self._case._c if self._case else ffi.NULL
+        _check(lib.ph_result_to_json(self._c, case, ffi.NULL, out, err), err)
+        return json.loads(_take_text(out))
+
+    def card(self, to: str, **options) -> str:
+        """A material card, as the function `card`."""
+        out, err = ffi.new("ph_effective **"), ffi.new("ph_error *")
+        case = self._case._c if self._case else ffi.NULL
+        _check(lib.ph_effective_from_result(self._c, case, out, err), err)
+        return _card(out[0], to, **options)
+
+    def _repr_html_(self) -> str:
+        rows = "".join("<tr><td>%s</td><td>%.6g</td></tr>" % item for item in self.engineering.items())
+        return "<table>%s</table>" % rows
+
+    def __repr__(self):
+        return "Result(%s)" % ", ".join("%s %.4g" % item for item in self.engineering.items() if item[0][0] in "EG")
+
+
+# ---- solving -----------------------------------------------------------------------------
+
+_running: dict = {}
+
+
+@ffi.def_extern(error=False)
+def perihom_progress(user, now):
+    state = ffi.from_handle(user)
+    try:
+        go_on = state["call"](now.load, now.loads, now.iteration, now.residual)
+        return go_on is not False
+    except BaseException as error:  # comes back to the caller of homogenise
+        state["error"] = error
+        return False
+
+
+def _enum(name: str, value: str, table: Mapping[str, int]) -> int:
+    if value not in table:
+        raise ValueError("%s must be one of %s, got %r" % (name, ", ".join(map(str, table)), value))
+    return table[value]
+
+
+def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Optional[str] = None,
+               points: Optional[str] = None, horizon: Optional[float] = None, constraint: Optional[str] = None,
+               solver: Optional[str] = None, interface: Optional[str] = None, tolerance: Optional[float] = None,
+               loads: Optional[Iterable[int]] = None, fields: Optional[bool] = None, threads: int = 0,
+               progress: Optional[Callable[[int, int, int, float], Any]] = None) -> Result:
+    """Effective stiffness of a microstructure.
+
+    case: where settings come from that are not given here; without it, the defaults.
+    model, points, horizon (in spacings), constraint, solver, interface, tolerance: as in a case file.
+    loads: macro strains 0 .. 5 to solve, default all; fields: keep displacement, strain, stress.
+    progress(load, loads, iteration, residual): called each iteration; False stops.
+    Raises Error; KeyboardInterrupt inside `progress` stops the solve and is raised again.
+    """
+    problem = ffi.new("ph_problem *")
+    keep = []
+
+    def word(value):
+        keep.append(ffi.new("char[]", value.encode()))
+        return keep[-1]
+
+    problem.micro = micro._c
+    if case is not None:
+        problem.interface, problem.model = case._c.interface, case._c.model
+        problem.constraint, problem.solver = case._c.constraint, case._c.solver
+        problem.keep_fields = case._c.fields
+    if model is not None:
+        problem.model.kind = word(model)
+    if points is not None:
+        problem.model.points = _enum("points", points, _POINTS)
+    if horizon is not None:
+        problem.model.horizon, problem.model.horizon_is_length = horizon, False
+    if constraint is not None:
+        problem.constraint.kind = word(constraint)
+    if solver is not None:
+        problem.solver.kind = word(solver)
+    if interface is not None:
+        problem.interface = _enum("interface", interface, _INTERFACE)
+    if tolerance is not None:
+        problem.solver.tolerance = tolerance
+    if fields is not None:
+        problem.keep_fields = fields
+    for load in loads if loads is not None else ():
+        if not 0 <= load < 6:
+            raise ValueError("a load is 0 to 5, got %r" % load)
+        problem.loads |= 1 << load
+    ctx = ffi.new("ph_ctx *")
+    ctx.threads = threads
+    state = {"call": progress, "error": None}
+    handle = ffi.new_handle(state)
+    if progress is not None:
+        ctx.progress, ctx.user = lib.perihom_progress, handle
+    out, err = ffi.new("ph_result **"), ffi.new("ph_error *")
+    status = lib.ph_homogenise(problem, ctx, out, err)
+    if state["error"] is not None:
+        lib.ph_result_free(out)
+        raise state["error"]
+    if status:
+        lib.ph_result_free(out)
+    _check(status, err)
+    return Result(out[0], case, micro)
+
+
+def run(path: Union[str, os.PathLike], sets: Optional[Mapping[str, Any]] = None, **options) -> Result:
+    """Read a case file, build its microstructure and solve it."""
+    return Case(path, sets).run(**options)
+
+
+# ---- cards and catalogues ----------------------------------------------------------------
+
+
+def _card(effective, to: str, name: str = "perihom", id: int = 1, symmetry: Optional[str] = None,
+          nearest: bool = False) -> str:
+    owned = ffi.gc(effective, lambda p: lib.ph_effective_free(ffi.new("ph_effective **", p)))
+    word = ffi.new("char[]", name.encode())
+    params = ffi.new("ph_card_params *", {"name": word, "id": id, "nearest": nearest,
+                                          "symmetry": _enum("symmetry", symmetry, _SYMMETRY)})
+    out, err = ffi.new("char **"), ffi.new("ph_error *")
+    _check(lib.ph_card_write(owned, to.encode(), params, out, ffi.NULL, err), err)
+    return _take_text(out)
+
+
+def card(result: Union[str, os.PathLike], to: str, **options) -> str:
+    """The material card of a result folder or result.json for another code.
+
+    to: "abaqus", "calculix" ... (catalogue "formats"); options: name, id, symmetry
+    ("isotropic", "orthotropic", "anisotropic"), nearest.
+    """
+    out, err = ffi.new("ph_effective **"), ffi.new("ph_error *")
+    _check(lib.ph_effective_read(os.fsencode(result), out, err), err)
+    return _card(out[0], to, **options)
+
+
+def _all_catalogues():
+    c = lib.ph_catalogues()
+    i = 0
+    while c[i].name != ffi.NULL:
+        yield c[i]
+        i += 1
+    yield lib.ph_card_formats()[0]
+
+
+def catalogues() -> dict:
+    """The catalogues of this build: name and title."""
+    return {_text(c.name): _text(c.title) for c in _all_catalogues()}
+
+
+def catalogue(name: str) -> list:
+    """The entries of a catalogue, e.g. "models"."""
+    for c in _all_catalogues():
+        if _text(c.name) == name:
+            entries = [lib.ph_catalogue_entry(ffi.new("ph_catalogue *", c), i) for i in range(c.count[0])]
+            return [{k: _text(getattr(e, k)) for k in ("name", "title", "reference", "valid")} for e in entries]
+    raise ValueError("no catalogue %r; there are %s" % (name, ", ".join(catalogues())))
