@@ -27,6 +27,7 @@
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>
+#include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/material.h>
 #include <perihom/microstructure.h>

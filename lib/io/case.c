@@ -6,17 +6,23 @@
 
 enum { MAX_FILE = 1 << 26 };
 
-static const char *const root_keys[] = {"perihom",    "title",          "units",
-                                        "materials",  "microstructure", "model",
-                                        "constraint", "solver",         "output"};
-static const char *const unit_keys[] = {"length", "stress", "time"};
+static const char *const root_keys[] = {
+    "perihom", "title",      "units",  "temperature",  "materials", "microstructure",
+    "model",   "constraint", "solver", "viscoelastic", "output"};
+static const char *const unit_keys[] = {"length", "stress", "time", "temperature"};
 
 void ph_case_free(ph_case **c)
 {
     if (!c || !*c) return;
-    for (int i = 0; i < (*c)->nmaterials; i++)
+    for (int i = 0; i < (*c)->nmaterials; i++) {
         ph_material_clear(&(*c)->materials[i]);
+        if ((*c)->relaxation) ph_i_relaxation_clear(&(*c)->relaxation[i]);
+    }
     free((*c)->materials);
+    free((*c)->relaxation);
+    free((*c)->viscoelastic.times);
+    free((*c)->viscoelastic.frequencies);
+    ph_history_free(&(*c)->viscoelastic.history);
     free((*c)->inclusions);
     free((*c)->fillers);
     free(*c);
@@ -58,12 +64,14 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     const ph_i_node *title = ph_i_get(root, "title");
     if (title) ph_i_read_text(r, title, sizeof r->c->title, r->c->title);
     read_units(r, root);
+    ph_i_read_temperature(r, root);
     PH_TRY(ph_i_read_materials(r, root, err));
     PH_TRY(ph_i_read_microstructure(r, root, err));
     ph_i_read_model(r, ph_i_get(root, "model"));
     ph_i_take_kappa(r);
     ph_i_read_constraint(r, ph_i_get(root, "constraint"));
     ph_i_read_solver(r, ph_i_get(root, "solver"));
+    PH_TRY(ph_i_read_viscoelastic(r, ph_i_get(root, "viscoelastic"), err));
     ph_i_read_output(r, ph_i_get(root, "output"));
 out:
     return st;

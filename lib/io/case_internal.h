@@ -130,13 +130,34 @@ extern const ph_i_names ph_i_solver_names;
 extern const ph_i_names ph_i_interface_names; /* in the order of ph_interface */
 extern const ph_i_names ph_i_plane_names;     /* generalised_strain, strain, stress */
 extern const ph_i_names ph_i_raw_type_names;
-extern const ph_i_names ph_i_filler_names;   /* platelet, fibre, particle */
-extern const ph_i_names ph_i_amount_names;   /* in the order of ph_amount */
-extern const ph_i_names ph_i_counting_names; /* in the order of ph_counting */
+extern const ph_i_names ph_i_route_names;     /* of viscoelastic */
+extern const ph_i_names ph_i_component_names; /* 11 22 33 23 13 12 */
+extern const ph_i_names ph_i_filler_names;    /* platelet, fibre, particle */
+extern const ph_i_names ph_i_amount_names;    /* in the order of ph_amount */
+extern const ph_i_names ph_i_counting_names;  /* in the order of ph_counting */
 
 /* ---- one function a section; `node` is NULL where the section is not given */
 
 ph_status ph_i_read_materials(ph_i_reader *r, const ph_i_node *root, ph_error *err);
+/** E, bulk or shear as a number or {infinity, terms}, stiffness as {infinity, terms}: is
+ *  this material a viscoelastic one? */
+bool ph_i_is_relaxing(const ph_i_node *map);
+/** The series of such a material; its stiffness and series at the case's temperature. */
+ph_status ph_i_read_relaxation(ph_i_reader *r, const ph_i_node *map, ph_material *out,
+                               ph_case_relaxation *relaxation, ph_error *err);
+void ph_i_relaxation_clear(ph_case_relaxation *relaxation);
+/** 6 rows of 6 numbers. */
+bool ph_i_read_matrix(ph_i_reader *r, const ph_i_node *node, double voigt[36]);
+/** `rotation` or `euler`. @return whether R was read; `*good` false where something is there
+ *  but wrong */
+bool ph_i_read_rotation(ph_i_reader *r, const ph_i_node *map, double R[9], bool *good);
+/** Keys of `map` that do not go with `kind`. */
+void ph_i_refuse_others(ph_i_reader *r, const ph_i_node *map, const char *kind,
+                        ph_i_names allowed);
+/** "material 'ply': stiffness must ..." without the name, which the key path says. */
+const char *ph_i_without_name(const ph_error *why, const char *name);
+void ph_i_read_temperature(ph_i_reader *r, const ph_i_node *root);
+ph_status ph_i_read_viscoelastic(ph_i_reader *r, const ph_i_node *node, ph_error *err);
 ph_status ph_i_read_microstructure(ph_i_reader *r, const ph_i_node *root, ph_error *err);
 ph_status ph_i_read_inclusions(ph_i_reader *r, const ph_i_node *list, ph_error *err);
 ph_status ph_i_read_fillers(ph_i_reader *r, const ph_i_node *list, ph_error *err);

@@ -94,6 +94,8 @@ static json_t *voxels_to_json(const ph_case *c, bool *good)
         if (v->materials[i] >= 0)
             put(materials, value, json_string(c->materials[v->materials[i]].name), good);
     }
+    if (c->unit_temperature[0] && isfinite(c->temperature))
+        put(map, "temperature", json_real(c->temperature), good);
     put(map, "materials", materials, good);
     return map;
 }
@@ -211,18 +213,29 @@ static json_t *case_to_json(const ph_case *c, bool *good)
     put(units, "length", json_string(c->unit_length), good);
     put(units, "stress", json_string(c->unit_stress), good);
     put(units, "time", json_string(c->unit_time), good);
-    for (int i = 0; i < c->nmaterials; i++)
-        put(materials, c->materials[i].name, material_to_json(&c->materials[i], good),
+    if (c->unit_temperature[0])
+        put(units, "temperature", json_string(c->unit_temperature), good);
+    for (int i = 0; i < c->nmaterials; i++) {
+        const ph_material *m = &c->materials[i];
+        bool relaxes = c->relaxation && c->relaxation[i].kind != PH_RELAXATION_NONE;
+        put(materials, m->name,
+            relaxes ? ph_i_relaxation_to_json(&c->relaxation[i], m->density, good)
+                    : material_to_json(m, good),
             good);
+    }
     put(output, "fields", json_boolean(c->fields), good);
     put(map, "perihom", json_integer(1), good);
     put(map, "title", json_string(c->title), good);
     put(map, "units", units, good);
+    if (c->unit_temperature[0] && isfinite(c->temperature))
+        put(map, "temperature", json_real(c->temperature), good);
     put(map, "materials", materials, good);
     put(map, "microstructure", microstructure_to_json(c, good), good);
     put(map, "model", model_to_json(&c->model, good), good);
     put(map, "constraint", constraint_to_json(c, good), good);
     put(map, "solver", solver_to_json(&c->solver, good), good);
+    if (c->viscoelastic.given || ph_case_relaxes(c))
+        put(map, "viscoelastic", ph_i_viscoelastic_to_json(&c->viscoelastic, good), good);
     put(map, "output", output, good);
     return map;
 }

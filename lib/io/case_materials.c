@@ -6,13 +6,10 @@
 
 enum { MAX_MATERIALS = 4096 };
 
-static const char *const material_keys[] = {
-    "E", "nu", "stiffness", "rotation", "euler", "void", "density", "bulk", "shear"};
+static const char *const material_keys[] = {"E",     "nu",   "stiffness", "rotation",
+                                            "euler", "void", "density",   "bulk",
+                                            "shear", "shift"};
 static const char *const rotation_keys[] = {"axis", "angle"};
-
-static const char VISCOELASTIC[] =
-    "viscoelastic materials are not in this version: accepted are E and nu as numbers, "
-    "stiffness (6 x 6), or void: true";
 
 static double radians(double degrees)
 {
@@ -67,8 +64,7 @@ static bool read_axis_angle(ph_i_reader *r, const ph_i_node *node, double R[9])
     return good;
 }
 
-/* @return whether R was read; `*good` false where something is there but wrong */
-static bool read_rotation(ph_i_reader *r, const ph_i_node *map, double R[9], bool *good)
+bool ph_i_read_rotation(ph_i_reader *r, const ph_i_node *map, double R[9], bool *good)
 {
     const ph_i_node *rotation = ph_i_get(map, "rotation"),
                     *euler = ph_i_get(map, "euler");
@@ -88,7 +84,7 @@ static bool read_rotation(ph_i_reader *r, const ph_i_node *map, double R[9], boo
     return (rotation || euler) && *good;
 }
 
-static bool read_matrix(ph_i_reader *r, const ph_i_node *node, double voigt[36])
+bool ph_i_read_matrix(ph_i_reader *r, const ph_i_node *node, double voigt[36])
 {
     static const char rule[] = "must be 6 rows of 6 numbers (Voigt, engineering shear)";
     if (!ph_i_read_list(r, node, 6, rule)) return false;
@@ -98,8 +94,7 @@ static bool read_matrix(ph_i_reader *r, const ph_i_node *node, double voigt[36])
     return good;
 }
 
-/* "material 'ply': stiffness must ..." without the name, which the key path already says. */
-static const char *without_name(const ph_error *why, const char *name)
+const char *ph_i_without_name(const ph_error *why, const char *name)
 {
     size_t skip = strlen("material '': ") + strlen(name);
     return strncmp(why->msg, "material '", 10) == 0 && strlen(why->msg) > skip
@@ -113,10 +108,10 @@ static void read_anisotropic(ph_i_reader *r, const ph_i_node *map, const ph_i_no
     double voigt[36], R[9];
     bool good_rotation;
     ph_error why = PH_ERROR_INIT;
-    bool rotated = read_rotation(r, map, R, &good_rotation);
-    if (!read_matrix(r, node, voigt) || !good_rotation) return;
+    bool rotated = ph_i_read_rotation(r, map, R, &good_rotation);
+    if (!ph_i_read_matrix(r, node, voigt) || !good_rotation) return;
     if (ph_material_anisotropic(out->name, voigt, rotated ? R : NULL, out, &why) != PH_OK)
-        ph_i_complain(r, node, PH_EUNPHYSICAL, "%s", without_name(&why, out->name));
+        ph_i_complain(r, node, PH_EUNPHYSICAL, "%s", ph_i_without_name(&why, out->name));
 }
 
 static void read_isotropic(ph_i_reader *r, const ph_i_node *map, ph_material *out)
@@ -130,12 +125,11 @@ static void read_isotropic(ph_i_reader *r, const ph_i_node *map, ph_material *ou
     bool good = E_node && ph_i_read_positive(r, E_node, E_rule, &E);
     good &= nu_node && ph_i_read_number(r, nu_node, -1, 0.5, nu_rule, &nu);
     if (good && ph_material_isotropic(out->name, E, nu, out, &why) != PH_OK)
-        ph_i_complain(r, map, PH_EUNPHYSICAL, "%s", without_name(&why, out->name));
+        ph_i_complain(r, map, PH_EUNPHYSICAL, "%s", ph_i_without_name(&why, out->name));
 }
 
-/* Keys that do not go with the one that says what kind of material this is. */
-static void refuse_others(ph_i_reader *r, const ph_i_node *map, const char *kind,
-                          ph_i_names allowed)
+void ph_i_refuse_others(ph_i_reader *r, const ph_i_node *map, const char *kind,
+                        ph_i_names allowed)
 {
     char list[100];
     ph_i_join_names(allowed, " and ", list, sizeof list);
@@ -162,38 +156,38 @@ static void read_elastic(ph_i_reader *r, const ph_i_node *map, ph_material *out)
     bool is_void = false;
     if (hole && !ph_i_read_flag(r, hole, &is_void)) return;
     if (is_void) {
-        refuse_others(r, map, "void", (ph_i_names){NULL, 0});
+        ph_i_refuse_others(r, map, "void", (ph_i_names){NULL, 0});
         *out = ph_material_void(out->name);
     } else if (matrix) {
-        refuse_others(r, map, "stiffness", (ph_i_names)PH_I_NAMES(with_matrix));
+        ph_i_refuse_others(r, map, "stiffness", (ph_i_names)PH_I_NAMES(with_matrix));
         read_anisotropic(r, map, matrix, out);
     } else if (!ph_i_get(map, "E") && !ph_i_get(map, "nu")) {
         ph_i_complain(r, map, PH_EINVAL,
                       "says nothing: must have E and nu, or stiffness, or void: true");
     } else {
-        refuse_others(r, map, "E", (ph_i_names)PH_I_NAMES(with_E));
+        ph_i_refuse_others(r, map, "E", (ph_i_names)PH_I_NAMES(with_E));
         read_isotropic(r, map, out);
     }
 }
 
-static void read_material(ph_i_reader *r, const ph_i_node *map, ph_material *out)
+static ph_status read_material(ph_i_reader *r, const ph_i_node *map, ph_material *out,
+                               ph_case_relaxation *relaxation, ph_error *err)
 {
     static const char rule[] = "must be a map such as {E: 70, nu: 0.3}";
     static const char density_rule[] = "the density must be a number > 0";
+    ph_status st = PH_OK;
     double density = NAN;
-    if (!ph_i_read_map(r, map, rule)) return;
+    if (!ph_i_read_map(r, map, rule)) goto out;
     ph_i_check_keys(r, map, (ph_i_names)PH_I_NAMES(material_keys), "a material");
-    const ph_i_node *E = ph_i_get(map, "E"), *bulk = ph_i_get(map, "bulk"),
-                    *shear = ph_i_get(map, "shear"), *rho = ph_i_get(map, "density");
+    const ph_i_node *rho = ph_i_get(map, "density");
     if (rho) ph_i_read_positive(r, rho, density_rule, &density);
-    if (E && E->kind == PH_I_MAP) {
-        ph_i_complain(r, E, PH_EINVAL, "%s", VISCOELASTIC);
-    } else if (bulk || shear) {
-        ph_i_complain(r, bulk ? bulk : shear, PH_EINVAL, "%s", VISCOELASTIC);
-    } else {
+    if (ph_i_is_relaxing(map))
+        PH_TRY(ph_i_read_relaxation(r, map, out, relaxation, err));
+    else
         read_elastic(r, map, out);
-        out->density = density;
-    }
+    out->density = density;
+out:
+    return st;
 }
 
 static void read_material_name(ph_i_reader *r, const ph_i_node *node, ph_material *out)
@@ -226,17 +220,18 @@ ph_status ph_i_read_materials(ph_i_reader *r, const ph_i_node *root, ph_error *e
         goto out;
     }
     PH_ALLOC(r->c->materials, map->count, "materials");
+    PH_ALLOC(r->c->relaxation, map->count, "materials");
     PH_ALLOC(r->material_names, map->count, "materials");
+    r->c->nmaterials = (int)map->count;
     bool solid = false;
     for (size_t i = 0; i < map->count; i++) {
         ph_material *m = &r->c->materials[i];
         m->density = NAN;
         read_material_name(r, map->child[i], m);
-        read_material(r, map->child[i], m);
+        PH_TRY(read_material(r, map->child[i], m, &r->c->relaxation[i], err));
         solid |= !m->is_void;
         r->material_names[i] = map->child[i]->key;
     }
-    r->c->nmaterials = (int)map->count;
     r->materials = (ph_i_names){r->material_names, map->count};
     if (!solid) ph_i_complain(r, map, PH_EUNPHYSICAL, "every material is void");
 out:

@@ -30,6 +30,9 @@ ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err);
 ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err);
 /** `microstructure.fillers` (case_fillers_json.c); *good turns false where it fails. */
 json_t *ph_i_fillers_to_json(const ph_case *c, bool *good);
+/** A viscoelastic material and `viscoelastic` (case_viscoelastic_json.c). */
+json_t *ph_i_relaxation_to_json(const ph_case_relaxation *x, double density, bool *good);
+json_t *ph_i_viscoelastic_to_json(const ph_case_viscoelastic *v, bool *good);
 /** Where a result was made: version, git, compiler, libraries, processor, date, command
  *  (may be NULL). */
 ph_status ph_i_json_provenance(const char *command, json_t **out, ph_error *err);

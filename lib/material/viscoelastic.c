@@ -31,6 +31,20 @@ out:
     return st;
 }
 
+static ph_status check_instantaneous(const char *name, const char *what,
+                                     const ph_modulus *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    double sum = s->infinity;
+    for (int m = 0; m < s->nterms; m++)
+        sum += s->term[m].modulus;
+    PH_CHECK(sum > 0 && isfinite(sum), PH_EUNPHYSICAL,
+             "material '%s': the instantaneous %s modulus must be positive, got %g", name,
+             what, sum);
+out:
+    return st;
+}
+
 static ph_status new_series(const char *name, const ph_sym4 *equilibrium, int nterms,
                             const ph_prony_term *term, ph_prony **out, ph_error *err)
 {
@@ -141,6 +155,8 @@ ph_status ph_material_viscoelastic_bulk_shear(const char *name, const ph_modulus
     ph_material m = unnamed(name, true);
     PH_TRY(check_series(m.name, "bulk", K, err));
     PH_TRY(check_series(m.name, "shear", G, err));
+    PH_TRY(check_instantaneous(m.name, "bulk", K, err));
+    PH_TRY(check_instantaneous(m.name, "shear", G, err));
     PH_ALLOC(term, K->nterms + G->nterms, "the terms of a Prony series");
     int count = merge(K, G, term);
     ph_sym4 equilibrium = ph_sym4_isotropic_kg(K->infinity, G->infinity);

@@ -3,6 +3,7 @@
 #define PERIHOM_CASE_H
 
 #include <perihom/distribution.h>
+#include <perihom/history.h>
 #include <perihom/homogenise.h>
 
 #include <stdint.h>
@@ -92,14 +93,63 @@ typedef struct ph_filler {
     int interphase_material;
 } ph_filler;
 
+/** How the times of a phase depend on temperature: they are multiplied by a_T. */
+typedef enum ph_shift_kind {
+    PH_SHIFT_NONE,
+    PH_SHIFT_WLF,      /* log10 a_T = -C1 (T - T_ref) / (C2 + T - T_ref) */
+    PH_SHIFT_ARRHENIUS /* ln a_T = E_a / R (1/T - 1/T_ref), T absolute */
+} ph_shift_kind;
+typedef struct ph_shift {
+    ph_shift_kind kind;
+    double c1, c2;            /* WLF: -, degrees */
+    double activation_energy; /* Arrhenius: J/mol */
+    double reference;         /* temperature of the case's unit at which a_T = 1 */
+} ph_shift;
+/** a_T. @param[in] kelvin what added to a temperature makes it absolute, 0 or 273.15
+ *  @return PH_OK; PH_EUNPHYSICAL where a_T is not between 1e-60 and 1e60 or T is at or below
+ *  T_ref - C2 or absolute zero. Ref: [Williams1955]. Tested: tests/io/test_case_relaxation.c */
+PH_API ph_status ph_shift_factor(const ph_shift *shift, double temperature, double kelvin,
+                                 double *factor, ph_error *err);
+
+/** What a case file says of the relaxation of a material, at the reference temperature. */
+typedef enum ph_relaxation_kind {
+    PH_RELAXATION_NONE, /* elastic */
+    PH_RELAXATION_E,
+    PH_RELAXATION_BULK_SHEAR,
+    PH_RELAXATION_TENSOR
+} ph_relaxation_kind;
+typedef struct ph_case_relaxation {
+    ph_relaxation_kind kind;
+    ph_modulus modulus[2]; /* E; or bulk and shear; owned */
+    double nu;             /* of E */
+    ph_prony *tensor;      /* rotated; owned */
+    ph_shift shift;
+    double factor; /* a_T at the temperature of the case; 1 where nothing shifts */
+} ph_case_relaxation;
+
+/** What is wanted of the relaxation: `viscoelastic` of a case file. */
+typedef struct ph_case_viscoelastic {
+    bool given;
+    const char *route;  /* name of a route */
+    double tolerance;   /* relative error of the effective tensor */
+    int terms;          /* compress to so many; 0: as many as there are */
+    double compression; /* compress to this relative error; 0: do not */
+    int ntimes, nfrequencies;
+    double *times, *frequencies; /* owned; increasing; NULL: chosen automatically */
+    ph_history *history;         /* owned; or NULL */
+} ph_case_viscoelastic;
+
 /** A case file, parsed and checked. Owns its arrays; everything else is a value. */
 typedef struct ph_case {
     char path[512];   /* as given, or "" */
     char folder[512]; /* of the file, for relative paths */
     char title[256];
     char unit_length[32], unit_stress[32], unit_time[32];
+    char unit_temperature[8]; /* "K", "C"; "": not given */
+    double temperature;       /* in this unit; NaN: not given */
     int nmaterials;
-    ph_material *materials;
+    ph_material *materials;         /* their series at the temperature of the case */
+    ph_case_relaxation *relaxation; /* [nmaterials] as the file says it */
     ph_kinematics kinematics;
     ptrdiff_t nodes[3]; /* zeros: take them from the voxel file */
     double size[3];
@@ -115,8 +165,12 @@ typedef struct ph_case {
     ph_model_params model; /* strings point to catalogue names */
     ph_constraint_params constraint;
     ph_solver_params solver;
+    ph_case_viscoelastic viscoelastic;
     bool fields;
 } ph_case;
+
+/** Whether a material of the case relaxes. */
+PH_API bool ph_case_relaxes(const ph_case *c);
 
 /** One complaint about a case file. */
 typedef struct ph_case_issue {

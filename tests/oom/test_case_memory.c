@@ -16,6 +16,23 @@ static const char text[] =
     "  nodes: [4, 4]\n"
     "  matrix: a\n"
     "  inclusions: [{shape: disk, centre: [0, 0], fraction: 0.9, material: b}]\n";
+static const char viscoelastic[] =
+    "perihom: 1\n"
+    "units: {temperature: C}\n"
+    "temperature: 20\n"
+    "materials:\n"
+    "  a: {E: {infinity: 1, terms: [{modulus: 1, time: 1}]}, nu: 0, shift: {wlf: {C1: "
+    "17, "
+    "C2: 50, reference: 25}}}\n"
+    "  b: {bulk: 4, shear: {infinity: 0, terms: [{modulus: 1, time: 1}]}}\n"
+    "  c: {stiffness: {infinity: &m [[3, 1, 1, 0, 0, 0], [1, 3, 1, 0, 0, 0], [1, 1, 3, "
+    "0, "
+    "0, 0], [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1]], terms: "
+    "[{stiffness: *m, time: 2}]}}\n"
+    "microstructure: {dimension: 2, plane: stress, size: [1, 1], nodes: [4, 4], matrix: "
+    "a}\n"
+    "viscoelastic: {times: [1, 2], frequencies: [1], history: {component: 11, points: "
+    "[[0, 1], [1, 2]]}}\n";
 static const char *const sets[] = {"model.horizon.length=0.5", "solver={tolerance: 0.1}"};
 
 static void fail_each(const char *input, bool forever, ph_status good)
@@ -44,6 +61,7 @@ static void test_good_case(void **state)
     (void)state;
     fail_each(text, false, PH_OK);
     fail_each(text, true, PH_OK);
+    fail_each(viscoelastic, false, PH_OK);
     CHECK_END();
 }
 
