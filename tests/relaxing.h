@@ -9,8 +9,8 @@
 enum { MOST_TERMS = 8 };
 
 /* nterms moduli that add up to `total`, a share of it at rest, times over `decades`. */
-static inline ph_series random_series(uint64_t *seed, int nterms, double total,
-                                      double rest, double decades, ph_series_term *term)
+static inline ph_modulus random_series(uint64_t *seed, int nterms, double total,
+                                      double rest, double decades, ph_modulus_term *term)
 {
     double sum = 0.0;
     for (int t = 0; t < nterms; t++) {
@@ -20,7 +20,7 @@ static inline ph_series random_series(uint64_t *seed, int nterms, double total,
     }
     for (int t = 0; t < nterms; t++)
         term[t].modulus *= total * (1.0 - rest) / sum;
-    return (ph_series){total * rest, nterms, term};
+    return (ph_modulus){total * rest, nterms, term};
 }
 
 /* A random series of any tensors. */
@@ -52,18 +52,18 @@ static inline ph_material random_phase(const char *name, uint64_t *seed, int kin
                                        double E, double rest, double decades)
 {
     ph_error err = PH_ERROR_INIT;
-    ph_series_term t1[MOST_TERMS], t2[MOST_TERMS];
+    ph_modulus_term t1[MOST_TERMS], t2[MOST_TERMS];
     ph_material m = {0};
     double nu = check_uniform(seed, 0.1, 0.4);
     int n1 = 1 + (int)(3 * check_random(seed)), n2 = 1 + (int)(3 * check_random(seed));
     if (kind == 3) return random_tensor_phase(name, seed, n1, rest, decades);
-    ph_series a = random_series(seed, n1, kind == 2 ? E / 3 / (1 - 2 * nu) : E,
+    ph_modulus a = random_series(seed, n1, kind == 2 ? E / 3 / (1 - 2 * nu) : E,
                                 kind == 2 ? 0.5 * (1 + rest) : rest, decades, t1);
-    ph_series b = random_series(seed, n2, E / 2 / (1 + nu), rest, decades, t2);
+    ph_modulus b = random_series(seed, n2, E / 2 / (1 + nu), rest, decades, t2);
     if (kind == 0)
         CHECK_OK(ph_material_isotropic(name, E, nu, &m, &err));
     else if (kind == 1)
-        CHECK_OK(ph_material_viscoelastic_E(name, &a, nu, &m, &err));
+        CHECK_OK(ph_material_viscoelastic_young(name, &a, nu, &m, &err));
     else
         CHECK_OK(ph_material_viscoelastic_bulk_shear(name, &a, &b, &m, &err));
     return m;

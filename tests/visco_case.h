@@ -16,12 +16,12 @@ static inline void viscous_materials(uint64_t *seed, ph_material m[VISCO_MATERIA
     for (int i = 0; i < 3; i++)
         t[i] = pow(10.0, check_uniform(seed, -decades, decades));
     CHECK_OK(ph_material_isotropic("filler", 20.0, 0.2, &m[0], &err));
-    const ph_series_term e[2] = {{t[0], 3.0}, {30.0 * t[0], 2.0}};
-    CHECK_OK(
-        ph_material_viscoelastic_E("resin", &(ph_series){1.0, 2, e}, 0.35, &m[1], &err));
-    const ph_series_term k[1] = {{t[1], 2.0}}, g[2] = {{0.1 * t[1], 1.0}, {t[2], 0.5}};
-    CHECK_OK(ph_material_viscoelastic_bulk_shear("gel", &(ph_series){4.0, 1, k},
-                                                 &(ph_series){0.3, 2, g}, &m[2], &err));
+    const ph_modulus_term e[2] = {{t[0], 3.0}, {30.0 * t[0], 2.0}};
+    CHECK_OK(ph_material_viscoelastic_young("resin", &(ph_modulus){1.0, 2, e}, 0.35,
+                                            &m[1], &err));
+    const ph_modulus_term k[1] = {{t[1], 2.0}}, g[2] = {{0.1 * t[1], 1.0}, {t[2], 0.5}};
+    CHECK_OK(ph_material_viscoelastic_bulk_shear("gel", &(ph_modulus){4.0, 1, k},
+                                                 &(ph_modulus){0.3, 2, g}, &m[2], &err));
     ph_prony_term term[2] = {{t[2], random_stiffness(seed, 6)},
                              {7.0 * t[2], random_stiffness(seed, 6)}};
     ph_prony p = {random_stiffness(seed, 6), 2, term};

@@ -60,18 +60,18 @@ static void test_isotropic(void **state)
     (void)state;
     ph_error err = PH_ERROR_INIT;
     ph_material m;
-    const ph_series_term k[1] = {{2.0, 5.0}}, g[1] = {{0.5, 1.0}},
-                         e[2] = {{1e-12, 4.0}, {1e12, 2.0}};
-    CHECK_OK(ph_material_viscoelastic_bulk_shear("gel", &(ph_series){3.0, 1, k},
-                                                 &(ph_series){0.2, 1, g}, &m, &err));
+    const ph_modulus_term k[1] = {{2.0, 5.0}}, g[1] = {{0.5, 1.0}},
+                          e[2] = {{1e-12, 4.0}, {1e12, 2.0}};
+    CHECK_OK(ph_material_viscoelastic_bulk_shear("gel", &(ph_modulus){3.0, 1, k},
+                                                 &(ph_modulus){0.2, 1, g}, &m, &err));
     ph_prony *r = reduced(m.relaxation, PH_PLANE_STRESS);
     CHECK_ABS(worst(m.relaxation, r, PH_PLANE_STRESS), 0.0, 1e-13);
     /* 12 and 11-22 relax with G alone; 11+22 with both, coupled by 33: two times more */
     CHECK(r->nterms == 3);
     ph_prony_free(&r);
     ph_material_clear(&m);
-    CHECK_OK(
-        ph_material_viscoelastic_E("resin", &(ph_series){1.0, 2, e}, 0.4999, &m, &err));
+    CHECK_OK(ph_material_viscoelastic_young("resin", &(ph_modulus){1.0, 2, e}, 0.4999, &m,
+                                            &err));
     r = reduced(m.relaxation, PH_PLANE_STRESS);
     CHECK(r->nterms == 2 && r->term[0].time == 1e-12 && r->term[1].time == 1e12);
     /* E of a plane of constant nu: C_1111 = E/(1-nu^2); the tensor of nu = 0.4999 loses
@@ -88,9 +88,9 @@ static void test_fluid(void **state)
     (void)state;
     ph_error err = PH_ERROR_INIT;
     ph_material m;
-    const ph_series_term g[2] = {{0.5, 1.0}, {20.0, 0.1}};
-    CHECK_OK(ph_material_viscoelastic_bulk_shear("oil", &(ph_series){3.0, 0, NULL},
-                                                 &(ph_series){0.0, 2, g}, &m, &err));
+    const ph_modulus_term g[2] = {{0.5, 1.0}, {20.0, 0.1}};
+    CHECK_OK(ph_material_viscoelastic_bulk_shear("oil", &(ph_modulus){3.0, 0, NULL},
+                                                 &(ph_modulus){0.0, 2, g}, &m, &err));
     ph_prony *r = reduced(m.relaxation, PH_PLANE_STRESS);
     CHECK(ph_sym4_norm(&r->equilibrium) == 0.0);
     /* C(s) itself loses its digits where G(s) is 1e-9 K: held against the closed form */

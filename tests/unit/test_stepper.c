@@ -92,10 +92,10 @@ static void test_one_relaxation(void **state)
     ph_microstructure *micro = viscous_micro(&seed, PH_PLANE_STRAIN, small, true);
     for (int p = 0; p < VISCO_MATERIALS; p++) {
         double E = check_uniform(&seed, 1, 30);
-        const ph_series_term e[2] = {{0.3, 0.5 * E}, {40.0, 0.3 * E}};
+        const ph_modulus_term e[2] = {{0.3, 0.5 * E}, {40.0, 0.3 * E}};
         ph_material_clear(&micro->materials[p]);
-        CHECK_OK(ph_material_viscoelastic_E("phase", &(ph_series){0.2 * E, 2, e}, 0.1 * p,
-                                            &micro->materials[p], &err));
+        CHECK_OK(ph_material_viscoelastic_young("phase", &(ph_modulus){0.2 * E, 2, e},
+                                                0.1 * p, &micro->materials[p], &err));
     }
     visco_case c;
     start_case(&c, micro, &stress_points, "periodic", 1e-11);
@@ -249,13 +249,13 @@ static void test_extremes(void **state)
     uint64_t seed = check_seed();
     ph_error err = PH_ERROR_INIT;
     ph_microstructure *micro = viscous_micro(&seed, PH_PLANE_STRAIN, small, true);
-    const ph_series_term fast[1] = {{1e-12, 3.0}}, slow[2] = {{1e-3, 2.0}, {1e12, 5.0}};
+    const ph_modulus_term fast[1] = {{1e-12, 3.0}}, slow[2] = {{1e-3, 2.0}, {1e12, 5.0}};
     for (int p = 1; p < 3; p++)
         ph_material_clear(&micro->materials[p]);
-    CHECK_OK(ph_material_viscoelastic_E("oil", &(ph_series){0.0, 1, fast}, 0.4999,
-                                        &micro->materials[1], &err));
-    CHECK_OK(ph_material_viscoelastic_E("pitch", &(ph_series){1.0, 2, slow}, 0.1,
-                                        &micro->materials[2], &err));
+    CHECK_OK(ph_material_viscoelastic_young("oil", &(ph_modulus){0.0, 1, fast}, 0.4999,
+                                            &micro->materials[1], &err));
+    CHECK_OK(ph_material_viscoelastic_young("pitch", &(ph_modulus){1.0, 2, slow}, 0.1,
+                                            &micro->materials[2], &err));
     visco_case c;
     start_case(&c, micro, &stress_points, "periodic", 1e-8);
     double zero = 0.0, unit[3] = {1.0, 0.0, 0.0},
