@@ -25,8 +25,7 @@ static bool is_fluid(const ph_material *m)
     return !(low > 1e-12);
 }
 
-/* Contrast at both ends, so that `auto` decides for all s; the phase that is softest late. */
-static ph_status look_ahead(ph_run *r, ph_error *err)
+ph_status ph_i_run_look_ahead(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_microstructure *micro = r->problem->micro;
@@ -65,8 +64,7 @@ out:
     return st;
 }
 
-/* The phase that (S) follows, at once. */
-static ph_status soften(ph_run *r, ph_error *err)
+ph_status ph_i_run_build_relaxing(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_sym4 c;
@@ -74,6 +72,7 @@ static ph_status soften(ph_run *r, ph_error *err)
     PH_TRY(ph_sym4_reduce(&micro->materials[r->soft].stiffness, micro->grid.kinematics,
                           &c, err));
     r->softness = r->map->softest = softness_of(&c);
+    PH_TRY(ph_i_run_build(r, err));
 out:
     return st;
 }
@@ -85,10 +84,9 @@ ph_status ph_i_run_relaxing(ph_run *r, ph_error *err)
     PH_CHECK(!r->constraint->analytic, PH_EINVAL,
              "constraint %s needs no equations, and no route that solves them",
              r->constraint->info.name);
-    PH_TRY(look_ahead(r, err));
+    PH_TRY(ph_i_run_look_ahead(r, err));
     PH_TRY(ph_i_run_prepare(r, err));
-    PH_TRY(soften(r, err));
-    PH_TRY(ph_i_run_build(r, err));
+    PH_TRY(ph_i_run_build_relaxing(r, err));
 out:
     return st;
 }

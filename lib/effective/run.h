@@ -41,7 +41,12 @@ ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
 /** The operator and its solver. */
 ph_status ph_i_run_build(ph_run *run, ph_error *err);
-/** All of these for phases that relax: `auto` sees the contrast of all times. */
+/** For phases that relax, after _begin: contrast at both ends of time, so that `auto` decides
+ *  for all of it, and the phase that is softest late, whose relaxation (S) follows. */
+ph_status ph_i_run_look_ahead(ph_run *run, ph_error *err);
+/** After _prepare: (S) of the instantaneous softness of that phase; then _build. */
+ph_status ph_i_run_build_relaxing(ph_run *run, ph_error *err);
+/** All of it in turn. @return PH_EINVAL for a constraint without equations */
 ph_status ph_i_run_relaxing(ph_run *run, ph_error *err);
 /** Time, memory and counts of a run that began at `start`, into its result. */
 double ph_i_run_now(void);

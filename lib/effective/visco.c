@@ -116,24 +116,47 @@ out:
     return st;
 }
 
-ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
-                           const ph_relaxation_params *params, const ph_ctx *ctx,
-                           ph_viscoelastic *out, ph_error *err)
+/* Voigt, Reuss, or one phase everywhere: true once the model is there. */
+static ph_status without_equations(ph_visco *v, bool *done, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_run *r = &v->run;
-    *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}, .out = out};
-    v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
-    PH_TRY(ph_i_run_relaxing(r, err));
+    double *only = NULL;
+    *done = false;
+    if (r->constraint->analytic) {
+        const char *name = r->constraint->info.name;
+        ph_i_note(r->result, "solver: none (%s)", name);
+        r->result->model = "none";
+        PH_TRY(
+            ph_i_visco_lumped(v, strcmp(name, "voigt") == 0, r->result->fractions, err));
+        *done = true;
+        return PH_OK;
+    }
+    PH_TRY(ph_i_run_prepare(r, err));
+    if (r->result->bond.present || !ph_i_run_is_homogeneous(r) ||
+        r->map->index[0] >= r->map->materials)
+        return PH_OK;
+    PH_ALLOC(only, r->map->materials, "fractions");
+    only[r->map->index[0]] = 1.0;
+    ph_i_note(r->result, "solver: none (the cell is homogeneous)");
+    PH_TRY(ph_i_visco_lumped(v, true, only, err));
+    *done = true;
+out:
+    free(only);
+    return st;
+}
+
+static ph_status with_equations(ph_visco *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_run *r = &v->run;
     const ph_microstructure *micro = r->problem->micro;
-    v->soft = r->soft;
-    v->softness = r->softness;
-    v->fluid = r->fluid;
     PH_ALLOC(v->phase, micro->nmaterials, "phases");
     PH_ALLOC(v->space, micro->nmaterials, "phases");
     PH_TRY(phases_at(v, r->map, INFINITY, err));
+    PH_TRY(ph_i_run_build_relaxing(r, err));
+    v->softness = r->softness;
     PH_TRY(ph_i_operator_in_space(r->op, err));
-    PH_TRY(ph_i_split_new(micro->nmaterials, micro->materials, &v->split, err));
     PH_TRY(
         ph_i_layers_init(&v->layers, micro, &v->split, r->map, r->setting.region, err));
     PH_TRY(ph_i_sites_init(&v->sites, r->op, v->layers.count, v->layers.cell, err));
@@ -142,6 +165,27 @@ ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
     PH_TRY(ph_i_reduced_init(&v->model, r->map->ns, v->split.nfunctions,
                              v->split.function, err));
     PH_TRY(ph_i_visco_macro_rows(v, err));
+out:
+    return st;
+}
+
+ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
+                           const ph_relaxation_params *params, const ph_ctx *ctx,
+                           ph_viscoelastic *out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_run *r = &v->run;
+    bool done;
+    *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}, .out = out};
+    v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
+    PH_TRY(ph_i_run_begin(r, err));
+    const ph_microstructure *micro = r->problem->micro;
+    PH_TRY(ph_i_run_look_ahead(r, err));
+    v->soft = r->soft;
+    v->fluid = r->fluid;
+    PH_TRY(ph_i_split_new(micro->nmaterials, micro->materials, &v->split, err));
+    PH_TRY(without_equations(v, &done, err));
+    if (!done) PH_TRY(with_equations(v, err));
 out:
     return st;
 }
@@ -182,13 +226,22 @@ void ph_i_visco_clear(ph_visco *v)
 void ph_i_visco_end(ph_visco *v, double start)
 {
     ph_viscoelastic *out = v->out;
+    if (!v->run.result) return; /* the problem was not admissible */
     ph_i_run_account(&v->run, start, ph_i_run_now() - start);
     out->functions = v->split.nfunctions;
     out->basis = v->nbasis;
-    out->basis_bytes =
-        (size_t)v->nbasis * (ph_i_visco_size(v) + ph_i_visco_hidden(v)) * sizeof(double);
-    out->applications += v->run.op ? v->run.op->applications : 0;
+    if (v->run.op) {
+        size_t field = ph_i_visco_size(v) + ph_i_visco_hidden(v);
+        out->basis_bytes = (size_t)v->nbasis * field * sizeof(double);
+        out->applications += v->run.op->applications;
+    }
     out->seconds = ph_i_run_now() - start;
     out->elastic = v->run.result;
     v->run.result = NULL;
+    if (!out->elastic || !out->series) return;
+    out->elastic->stiffness = out->instantaneous;
+    out->elastic->loads = ph_i_run_all_loads(out->elastic);
+    out->elastic->converged = true;
+    if (v->run.op) return;
+    out->elastic->route = out->elastic->solver = "analytic";
 }

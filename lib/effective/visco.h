@@ -42,7 +42,8 @@ typedef struct ph_visco {
 
 /* ---- visco.c ------------------------------------------------------------------------------ */
 
-/** The run with its operator at s = infinity and an empty basis. */
+/** The run with its operator at s = infinity and an empty basis; or, where no equations are
+ *  to be solved (voigt, reuss, a homogeneous cell), no operator and the whole model. */
 ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
                            const ph_relaxation_params *params, const ph_ctx *ctx,
                            ph_viscoelastic *out, ph_error *err);
@@ -59,6 +60,13 @@ static inline size_t ph_i_visco_hidden(const ph_visco *v)
 {
     return (size_t)(v->sites.records * v->layers.record);
 }
+
+/* ---- visco_lumped.c ------------------------------------------------------------------------ */
+
+/** The model of phases of one strain (uniform), or of one stress.
+ *  @param[in] fraction [materials] */
+ph_status ph_i_visco_lumped(ph_visco *v, bool uniform, const double *fraction,
+                            ph_error *err);
 
 /* ---- visco_gram.c -------------------------------------------------------------------------- */
 

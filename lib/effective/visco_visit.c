@@ -17,7 +17,8 @@
 
 /* A load below this share of the forces that its stresses could make is round-off. */
 static const double no_load = 1e-13;
-/* A correction of less than this share of the tolerance is not worth a field. */
+/* A correction of less than this share of the tolerance, or than what may be left, is not
+ * worth a field. */
 static const double worth = 0.02;
 /* Directions softer than this share of the stiffest are judged as if they had it. */
 static const double softest_direction = 1e-6;
@@ -147,6 +148,11 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
     memcpy(v->f, v->r[a], sizeof *v->f * n);
     st = r->solver->solve(r->state, v->f, v->d[a], &report, err);
     v->out->iterations += report.iterations;
+    if (v->out->npoints == 0) { /* the instantaneous problem */
+        r->result->iterations[a] = report.iterations;
+        r->result->residual[a] = report.residual * norm / size;
+        r->result->nloads = a + 1;
+    }
     now->left[a] = report.energy_left / cells;
     /* As far as arithmetic goes: of a contrast of 1e12 that may be above what was asked. */
     if (st == PH_ENOCONV && v->least > 0.0 && report.residual * norm <= tolerance * size) {
@@ -174,22 +180,22 @@ static double error_of(const ph_visco *v, const visit *now, bool corrected)
     return left * left + hidden;
 }
 
-/* Layers of correction a: those of T + d at s minus those of T. */
+/* Layers of correction a: those of T + d at s minus those of T. The mean strain of d that
+ * `macro` takes away is spread evenly over the layers, like that of every macro strain. */
 static ph_status take_layers(ph_visco *v, const visit *now, int a, ph_basis_field *b,
                              ph_error *err)
 {
     ph_status st = PH_OK;
     size_t n = ph_i_visco_size(v), hidden = ph_i_visco_hidden(v);
-    double macro[6], unit[6] = {0};
+    double macro[6], unit[6];
     reduced_field(v, now, a, v->u, macro);
     for (size_t k = 0; k < n; k++)
         v->u[k] += b->u[k];
-    for (int k = 0; k < 6; k++)
-        macro[k] += b->macro[k];
     ph_i_sites_strain(&v->sites, v->u, macro, v->strain);
     PH_TRY(ph_i_layers_localise(&v->layers, &v->sites, v->phase, v->space, v->strain,
                                 b->x, err));
-    unit[a] = 1.0;
+    for (int k = 0; k < 6; k++)
+        unit[k] = (k == a ? 1.0 : 0.0) - b->macro[k];
     ph_i_sites_strain(&v->sites, NULL, unit, v->strain);
     ph_i_layers_spread(&v->layers, &v->sites, v->strain, v->x);
     for (size_t k = 0; k < hidden; k++)
@@ -228,7 +234,7 @@ static ph_status take_field(ph_visco *v, const visit *now, int a, ph_error *err)
     size_t n = ph_i_visco_size(v), hidden = ph_i_visco_hidden(v);
     double stress[6], strain[6], scale = 1.0 / sqrt(now->captured.m[a][a]);
     ph_cell_energy e;
-    ph_basis_field *b;
+    ph_basis_field *b = NULL;
     PH_TRY(new_field(v, &b, err));
     memcpy(b->u, v->d[a], sizeof *b->u * n);
     if (r->constraint->by_stress) { /* its mean strain is no part of the fluctuation */
@@ -292,7 +298,7 @@ ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double *error,
     for (int a = 0; a < ns; a++) {
         double gain = now.captured.m[a][a] + now.hidden[a];
         if (now.idle[a] || !(now.captured.m[a][a] > 0.0)) continue;
-        if (!(gain > worth * v->tolerance * now.held.m[a][a])) continue;
+        if (!(gain > fmin(worth, share) * v->tolerance * now.held.m[a][a])) continue;
         PH_TRY(take_field(v, &now, a, err));
         ++*added;
     }

@@ -80,7 +80,15 @@ int main(int argc, char **argv)
         ph_viscoelastic *v = NULL;
         ph_visco full = {0};
         ph_viscoelastic sink = {0};
+        if (argc > 3 && atoi(argv[3]) != t) {
+            for (int i = 0; i < 4; i++)
+                check_random(&seed), check_random(&seed);
+            ph_microstructure_free(&micro);
+            continue;
+        }
         if (ph_viscoelastic_solve(&problem, &params, &one_thread, &v, &err) != PH_OK) {
+            for (int i = 0; i < 4; i++)
+                check_random(&seed), check_random(&seed);
             printf("trial %d kin %d %s %s: %s\n", t, kin, problem.model.kind,
                    problem.constraint.kind, err.msg);
             failed++;
@@ -88,6 +96,9 @@ int main(int argc, char **argv)
             continue;
         }
         /* the same discretisation with an empty basis: a visit is a full solve */
+        for (int i = 0; getenv("SAY") && i < v->npoints; i++)
+            printf("   point %g error %.2e its %d added %d\n", v->points[i].s,
+                   v->points[i].error, v->points[i].iterations, v->points[i].added);
         ph_relaxation_params tight = {.tolerance = 1e-9};
         if (ph_i_visco_begin(&full, &problem, &tight, &one_thread, &sink, &err) != PH_OK)
             printf("begin: %s\n", err.msg);
@@ -108,6 +119,9 @@ int main(int argc, char **argv)
                     d = ph_sym4_combine(1.0, &mine, -1.0, &C);
             ph_i_visco_relative(&d, &mine, &low, &high);
             worst = fmax(worst, fmax(fabs(low), fabs(high)));
+            if (getenv("SAY"))
+                printf("   s %g: visit %.2e left %.2e added %d, model - full %.2e .. %.2e\n", s, error,
+                       left, added, low, high);
         }
         total++;
         bad += worst > v->error;
