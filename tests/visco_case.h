@@ -38,7 +38,7 @@ static inline ph_microstructure *viscous_micro(uint64_t *seed, ph_kinematics kin
     ph_microstructure *micro = NULL;
     double size[3];
     for (int d = 0; d < 3; d++)
-        size[d] = (double)n[d] * check_uniform(seed, 0.8, 1.2);
+        size[d] = (double)n[d] * check_uniform(seed, 0.9, 1.1);
     viscous_materials(seed, m);
     CHECK_OK(ph_grid_init(&grid, kin, n, size, &err));
     CHECK_OK(ph_microstructure_new(&grid, VISCO_MATERIALS, m, &micro, &err));
@@ -88,7 +88,8 @@ static inline void start_case(visco_case *c, const ph_microstructure *micro,
     c->run = (ph_run){.problem = &c->problem, .ctx = &c->ctx};
     c->stepper = NULL;
     CHECK_OK(ph_i_run_relaxing(&c->run, &err));
-    CHECK_OK(ph_i_stepper_new(&c->run, tolerance, &c->stepper, &err));
+    if (c->run.op) CHECK_OK(ph_i_stepper_new(&c->run, tolerance, &c->stepper, &err));
+    assert_non_null(c->stepper);
 }
 
 static inline void end_case(visco_case *c)

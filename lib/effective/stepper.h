@@ -85,8 +85,10 @@ ph_status ph_i_stepper_solve(ph_stepper *s, const double *dload, ph_error *err);
 /** The response at the end of the step as it is solved, [ns] Mandel, and the mean stress. */
 ph_status ph_i_stepper_response(ph_stepper *s, double *response, double *stress,
                                 ph_error *err);
-/** Estimated error of the mean stress by the bending of the fields over the step, the norm of
- *  a stress; 0 where there was no step before.
+/** Estimated error of the mean stress, as a norm, by the bending of the fields over the step:
+ *  their second derivative from the step before, the stress that it makes in the branches,
+ *  and what the medium makes of that (a rough solve; the step can then only be accepted). 0
+ *  where there was no step before.
  *  @param[in] bends bit a: macro strain a is not a straight line over the step either */
 ph_status ph_i_stepper_error(ph_stepper *s, unsigned bends, double *error, ph_error *err);
 /** The load turns a corner here: the step before says nothing of the next. */

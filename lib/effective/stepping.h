@@ -18,7 +18,7 @@ typedef struct ph_load_history {
 
 /** How to step. Zeroed: all defaults. */
 typedef struct ph_stepping_params {
-    double tolerance; /* error of a step, relative to the stress; 0: 1e-5 */
+    double tolerance; /* error of the stress, relative; 0: 1e-4 */
     double fixed;     /* > 0: every step so long (but to land on points and outputs) */
     double shortest;  /* the first step after a jump; 0: 1/20 of the shortest time */
     long most_steps;  /* 0: 1000000 */

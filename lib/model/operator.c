@@ -300,7 +300,7 @@ static void add_diagonal(const ph_operator *op, const double *uhat, double *fhat
     if (!op->spectral || factor == 0.0) return;
     for (int a = 0; a < op->layout.nd; a++) {
         const double *u = uhat + 2 * a * op->modes, *s = op->spectral;
-        double *f = fhat + 2 * a * op->modes, factor = op->stabilise;
+        double *f = fhat + 2 * a * op->modes;
 #pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
         for (ptrdiff_t k = 0; k < op->modes; k++) {
             f[2 * k] += factor * s[k] * u[2 * k];

@@ -230,3 +230,27 @@ void ph_i_relaxing_map_whole(ph_relaxing_map *r, double infinity, const double *
         ph_i_stiffness_map_store(r->map, p, &c);
     }
 }
+
+void ph_i_relaxing_map_fill_cuts(ph_relaxing_map *r)
+{
+    const int n = r->map->ns;
+    ph_sym4 mean = {.n = n};
+    double used = 0.0;
+    for (int p = 0; p < r->materials; p++) {
+        if (!r->map->used[p]) continue;
+        used += 1.0;
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                mean.m[i][j] += r->whole.c[(p * n + i) * n + j];
+    }
+    mean = ph_sym4_combine(1.0 / used, &mean, 0.0, &mean);
+    show(r, &r->whole);
+    ph_i_stiffness_map_store(r->map, r->materials + 1, &mean);
+}
+
+void ph_i_relaxing_map_empty_cuts(ph_relaxing_map *r)
+{
+    const ph_sym4 nothing = {.n = r->map->ns};
+    show(r, &r->whole);
+    ph_i_stiffness_map_store(r->map, r->materials + 1, &nothing);
+}

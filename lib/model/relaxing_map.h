@@ -56,6 +56,10 @@ void ph_i_relaxing_map_again(ph_relaxing_map *relaxing);
 /** Weighted phases, cut cells empty. Phases that the sum leaves without stiffness are empty. */
 void ph_i_relaxing_map_whole(ph_relaxing_map *relaxing, double infinity,
                              const double *weight);
+/** Give the cut cells of the whole tensors that are shown the mean of the phases, which is
+ *  good enough for an estimate; and empty them again. */
+void ph_i_relaxing_map_fill_cuts(ph_relaxing_map *relaxing);
+void ph_i_relaxing_map_empty_cuts(ph_relaxing_map *relaxing);
 /** The weighted sum of the factor of (S). */
 double ph_i_relaxing_stabilisation(const ph_relaxing_map *relaxing, double infinity,
                                    const double *weight);

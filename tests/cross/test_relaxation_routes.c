@@ -49,8 +49,13 @@ enum { SETUPS = sizeof setups / sizeof *setups };
 
 static ph_microstructure *cell_of(const setup *s, uint64_t *seed)
 {
-    static const ptrdiff_t plane[3] = {4, 4, 1}, space[3] = {3, 3, 3};
-    return viscous_micro(seed, s->kin, s->kin == PH_SPACE ? space : plane, s->cuts);
+    static const ptrdiff_t plane[3] = {4, 4, 1}, space[3] = {3, 3, 3},
+                           wide[3] = {4, 4, 4};
+    return viscous_micro(seed, s->kin,
+                         s->kin != PH_SPACE       ? plane
+                         : s->model.horizon > 0.0 ? wide
+                                                  : space,
+                         s->cuts);
 }
 
 /* C*(t) of the reduced model, exact but for its projection. */
@@ -59,7 +64,7 @@ static ph_viscoelastic *reduced(const ph_problem *problem)
     ph_error err = PH_ERROR_INIT;
     ph_viscoelastic *v = NULL;
     ph_ctx ctx = {.threads = 1};
-    ph_relaxation_params params = {.tolerance = 1e-6, .max_points = 40};
+    ph_relaxation_params params = {.tolerance = 1e-8, .max_points = 60};
     CHECK_OK(ph_viscoelastic_solve(problem, &params, &ctx, &v, &err));
     return v;
 }
@@ -76,7 +81,7 @@ static void step_column(ph_stepper *s, int a, int n, const double *time,
     CHECK_OK(ph_i_stepping(s, &h, n, time, p, state, &report, &err));
 }
 
-/* Steps of local error 1e-5: 1e-4 of the stress is left after some hundred of them, whose
+/* A tolerance of 2e-4 holds over ten decades and some hundred steps, whose
  * errors fade with the memory of the medium. Beginning and end have none but the solver's. */
 static void test_stepping_is_reduced(void **state)
 {
@@ -93,7 +98,7 @@ static void test_stepping_is_reduced(void **state)
         start_case(&c, micro, &setups[i].model, setups[i].constraint, 1e-9);
         ph_viscoelastic *v = reduced(&c.problem);
         int a = i % c.run.map->ns;
-        step_column(c.stepper, a, TIMES, time, &(ph_stepping_params){.tolerance = 1e-5},
+        step_column(c.stepper, a, TIMES, time, &(ph_stepping_params){.tolerance = 2e-4},
                     st);
         for (int k = 0; v && k < TIMES; k++) {
             ph_sym4 want = ph_prony_at_time(v->series, time[k]);
@@ -102,7 +107,7 @@ static void test_stepping_is_reduced(void **state)
                 off += pow(st[k].stress[j] - want.m[j][a], 2);
                 size += pow(want.m[j][a], 2);
             }
-            CHECK_ABS(sqrt(off / size), 0.0, k == 0 || k == TIMES - 1 ? 1e-6 : 1e-4);
+            CHECK_ABS(sqrt(off / size), 0.0, k == 0 || k == TIMES - 1 ? 1e-6 : 2e-4);
         }
         if (check_failures > before) print_error("  ... setup %d\n", i);
         ph_viscoelastic_free(&v);
@@ -112,7 +117,8 @@ static void test_stepping_is_reduced(void **state)
     CHECK_END();
 }
 
-/* No error but those of the solvers and of the projection. */
+/* No error but those of the solvers and of the projection, whose 1e-8 holds on the real axis
+ * of s and is some ten times as large on the imaginary one. */
 static void test_frequency_is_reduced(void **state)
 {
     (void)state;
@@ -136,7 +142,7 @@ static void test_frequency_is_reduced(void **state)
             ph_sym4 dre = ph_sym4_combine(1.0, &m[k].storage, -1.0, &re),
                     dim = ph_sym4_combine(1.0, &m[k].loss, -1.0, &im);
             CHECK_ABS(hypot(ph_sym4_norm(&dre), ph_sym4_norm(&dim)) / ph_sym4_norm(&re),
-                      0.0, 1e-5);
+                      0.0, 1e-6);
             ph_sym4_eigenvalues(&m[k].loss, &low, &high); /* dissipates */
             CHECK(low >= -1e-8 * ph_sym4_norm(&m[k].storage));
         }

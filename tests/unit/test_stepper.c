@@ -242,13 +242,14 @@ static void test_restart(void **state)
     CHECK_END();
 }
 
-/* A fluid matrix, times of 1e-12 and 1e12 in one case, steps of both sizes. */
+/* Drops of a fluid with a time of 1e-12 in a solid with one of 1e12: 26 decades in growing
+ * steps. In the end the drops are holes: the elastic problem with the equilibrium tensors. */
 static void test_extremes(void **state)
 {
     (void)state;
     uint64_t seed = check_seed();
     ph_error err = PH_ERROR_INIT;
-    ph_microstructure *micro = viscous_micro(&seed, PH_PLANE_STRAIN, small, true);
+    ph_microstructure *micro = viscous_micro(&seed, PH_PLANE_STRAIN, small, false);
     const ph_modulus_term fast[1] = {{1e-12, 3.0}}, slow[2] = {{1e-3, 2.0}, {1e12, 5.0}};
     for (int p = 1; p < 3; p++)
         ph_material_clear(&micro->materials[p]);
@@ -256,20 +257,34 @@ static void test_extremes(void **state)
                                             &micro->materials[1], &err));
     CHECK_OK(ph_material_viscoelastic_young("pitch", &(ph_modulus){1.0, 2, slow}, 0.1,
                                             &micro->materials[2], &err));
+    for (ptrdiff_t x = 0; x < 12; x++)
+        micro->phase[x] = x == 1 || x == 8 ? 1 : x == 6 ? 0 : 2;
     visco_case c;
     start_case(&c, micro, &stress_points, "periodic", 1e-8);
     double zero = 0.0, unit[3] = {1.0, 0.0, 0.0},
-           output[5] = {0.0, 1e-15, 1e-6, 1.0, 1e14};
+           output[5] = {0.0, 1e-14, 1e-6, 1.0, 1e14};
     ph_load_history h = {1, &zero, unit, 0};
     ph_step_state st[5];
     ph_stepping_report rep;
     CHECK_OK(ph_i_stepping(c.stepper, &h, 5, output,
                            &(ph_stepping_params){.tolerance = 1e-3}, st, &rep, &err));
     for (int k = 1; k < 5; k++) /* relaxes, never rises */
-        CHECK(st[k].stress[0] <= st[k - 1].stress[0] * (1.0 + 1e-6) &&
-              st[k].stress[0] > 0.0);
-    CHECK(rep.steps < 1000); /* growing steps: 29 decades */
+        CHECK(st[k].stress[0] <= st[k - 1].stress[0] * (1.0 + 1e-6));
+    CHECK(rep.steps < 1000);
     end_case(&c);
+
+    ph_material at_rest[VISCO_MATERIALS];
+    ph_microstructure rest = *micro;
+    ph_result *res = NULL;
+    rest.materials = at_rest;
+    for (int p = 0; p < VISCO_MATERIALS; p++)
+        CHECK_OK(ph_material_at(&micro->materials[p], 0.0, &at_rest[p], &err));
+    ph_problem problem = {
+        .micro = &rest, .model = stress_points, .solver = {.tolerance = 1e-10}};
+    CHECK_OK(ph_homogenise(&problem, NULL, &res, &err));
+    if (res) /* what is left after 100 times */
+        CHECK_REL(st[4].stress[0], res->stiffness.m[0][0], 1e-6);
+    ph_result_free(&res);
     ph_microstructure_free(&micro);
     CHECK_END();
 }
