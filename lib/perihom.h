@@ -30,6 +30,7 @@
 #include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/material.h>
+#include <perihom/material_point.h>
 #include <perihom/microstructure.h>
 #include <perihom/output.h>
 #include <perihom/plot.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many realisations of many cases. */
+/* Many realisations of many cases: one scenario, a stopping rule, campaigns. */
 #ifndef PERIHOM_CAMPAIGN_H
 #define PERIHOM_CAMPAIGN_H
 
@@ -52,6 +52,188 @@ PH_API unsigned ph_scenario_loads(const ph_scenario *scenario);
  *          PH_ECANCELLED. Tested: tests/unit/test_scenario.c */
 PH_API ph_status ph_scenario_evaluate(const ph_scenario *scenario, const ph_ctx *ctx,
                                       ph_evaluation *out, ph_error *err);
+
+/** When a point has enough realisations: at a fixed number, or when the mean of one output is
+ *  known well enough. Zero widths: a fixed number, at_most. */
+typedef struct ph_stopping {
+    int64_t at_least, at_most;  /* 2 <= at_least <= at_most; at_least: the pilot sample */
+    double relative_half_width; /* of the interval of the mean, over the mean; or */
+    double half_width;          /* in the unit of the output */
+    double confidence;          /* 0 < . < 1 */
+} ph_stopping;
+
+/** The values of one output in the order of the realisations, as the rule sees them. */
+typedef struct ph_sequence {
+    ph_stopping rule;
+    int stage;         /* stages completed */
+    int64_t n, target; /* values so far; so many are certainly needed */
+    double mean, m2;   /* m2: sum of squared deviations from the mean */
+    bool done;         /* all that it asked for are there */
+} ph_sequence;
+
+/** A confidence interval of a mean. */
+typedef struct ph_interval {
+    double mean, deviation, standard_error, half_width;
+} ph_interval;
+
+/** Sampling in stages for a confidence interval of given width [Hall1981], [Stein1945].
+ *
+ *    pilot     n = at_least
+ *    second    n = half of N(n), at least the pilot
+ *    further   n = N(n) until N(n) <= n, that is until the half width is reached
+ *    with      N(n) = ceil((t(n - 1) s_n / d)^2)
+ *
+ *  t the two-sided quantile of Student's t, s_n the deviation of the first n values and d the
+ *  half width (relative_half_width |mean_n|). The rule looks only at the end of a stage,
+ *  whose length was fixed before it began: two to four looks as a rule; between them anybody
+ *  may look, nothing is decided. Feed values in the order of the realisations: then N is the
+ *  same whatever the order of computing. Without widths: at_most values.
+ *  Theory and measured coverage: docs/theory/sampling.md.
+ *  @return PH_OK; PH_EINVAL. Tested: tests/unit/test_stopping.c */
+PH_API ph_status ph_sequence_start(ph_sequence *s, const ph_stopping *rule,
+                                   ph_error *err);
+PH_API void ph_sequence_add(ph_sequence *s, double x);
+/** Interval of the mean of the values so far, half width t(n - 1) s_n / sqrt(n); NaN below
+ *  two values. */
+PH_API ph_interval ph_sequence_interval(const ph_sequence *s);
+
+/** One point of a sweep: a case, and what makes it different from the others. */
+typedef struct ph_campaign_point {
+    char **value;   /* [nkeys] YAML text */
+    double *number; /* [nkeys] the value where it is a number, else NaN */
+    ph_case *c;
+} ph_campaign_point;
+
+/** Measurements to draw beside the means. */
+typedef struct ph_campaign_data {
+    char file[512]; /* "": none; relative to the campaign's folder */
+    char key[160], x[PH_TABLE_NAME];
+    char quantity[96], y[PH_TABLE_NAME], sigma[PH_TABLE_NAME];
+} ph_campaign_data;
+
+/** A campaign file, parsed and checked, with the case of every point. Owns its arrays. */
+typedef struct ph_campaign {
+    char path[512], folder[512], title[256];
+    char case_path[1024];
+    int nkeys;
+    char **key; /* [nkeys] dotted keys of the case */
+    int npoints;
+    ph_campaign_point *point;
+    int noutputs;
+    ph_quantity *output;
+    ph_stopping stopping;
+    int judged; /* the output of the stopping rule, or -1 */
+    bool common_random_numbers;
+    ph_campaign_data data;
+    uint64_t hash; /* of everything that makes a realisation what it is: the resolved case
+                    * of every point, its voxel file, the outputs; not of the stopping rule */
+} ph_campaign;
+
+enum { PH_CAMPAIGN_POINTS = 100000 };
+
+/** Read a campaign file and the case of every point. Format: docs/campaigns.md.
+ *  @param[in] sets overrides of the case, applied to every point before its own
+ *  @param[out] issues as ph_case_read; complaints about the case of a point name the point
+ *  @return as ph_case_read. Tested: tests/io/test_campaign_file.c */
+PH_API ph_status ph_campaign_read(const char *path, const char *const *sets, size_t nsets,
+                                  ph_campaign **out, ph_case_issues *issues,
+                                  ph_error *err);
+PH_API void ph_campaign_free(ph_campaign **campaign);
+/** The realisation that number i of a point is: i itself, so that all points see the same
+ *  random numbers; without common random numbers point 2^32 + i. */
+PH_API uint64_t ph_campaign_realisation(const ph_campaign *c, int point, int64_t i);
+
+/** Where a campaign is. */
+typedef struct ph_campaign_progress {
+    int points, points_done, point; /* point: of the last result */
+    int64_t realisations;           /* on disk, those of earlier runs too */
+    int64_t wanted;                 /* in all, as far as is certain */
+    int64_t failed;
+    double seconds, to_go; /* of this run; to_go: NaN where unknown */
+    ph_interval mean;      /* of the judged (or first) output at `point` */
+    int workers, threads;  /* processes, threads of each */
+    const char *event;     /* something to say (a worker died), or NULL */
+} ph_campaign_progress;
+
+/** How a campaign is run. Zeroed: all defaults. */
+typedef struct ph_campaign_params {
+    const char *folder; /* of realisations.jsonl */
+    int jobs;           /* processors to use; 0: all that this process may use */
+    int threads;        /* of each worker; 0: 1 unless memory allows fewer workers only */
+    size_t memory;      /* bytes that all workers may take; 0: 80 % of the machine's */
+    int shard, shards;  /* this is shard 1 .. shards of so many; 0: the whole campaign */
+    bool retry_failed;  /* compute again what failed */
+    /* Instead of ph_scenario_evaluate, in a worker process: e.g. known distributions. */
+    ph_status (*evaluate)(void *user, const ph_scenario *scenario, int point,
+                          ph_evaluation *out, ph_error *err);
+    void *evaluate_user;
+    bool (*progress)(void *user, const ph_campaign_progress *now); /* false: stop */
+    void *user;
+} ph_campaign_params;
+
+/** Statistics of one output at one point. */
+typedef struct ph_campaign_mean {
+    int64_t n;
+    ph_interval mean; /* half width at the confidence of the campaign */
+} ph_campaign_mean;
+
+/** Statistics of one point. */
+typedef struct ph_campaign_summary {
+    int64_t counted, failed;  /* realisations 0 .. counted - 1 make the statistics */
+    bool complete;            /* the stopping rule has all that it wants */
+    bool reached;             /* the half width asked for is reached, or none was */
+    ph_campaign_mean *output; /* [noutputs] */
+} ph_campaign_summary;
+
+/** What a campaign knows so far. */
+typedef struct ph_campaign_result {
+    int npoints, noutputs;
+    ph_campaign_summary *point;
+    ph_campaign_mean *all; /* [npoints][noutputs], held for the points */
+    int64_t realisations, failed;
+    int64_t dropped;   /* damaged lines that were found and computed again */
+    int64_t differing; /* realisations that came with two results */
+    bool complete;
+} ph_campaign_result;
+PH_API void ph_campaign_result_free(ph_campaign_result **result);
+
+/** Compute what is missing of a campaign, and sum up.
+ *
+ *  Realisations are computed by worker processes, each written to realisations.jsonl as one
+ *  line, on disk before it counts; what was there before is not computed again. The result
+ *  is that of computing all realisations in the order of their indices, bit for bit, whatever
+ *  the workers, shards, interruptions. A worker that dies costs one more trial of its
+ *  realisation, which is then marked as failed.
+ *  Shards: with a stopping rule shard k of n has the points p with p mod n = k - 1, else the
+ *  realisations with (i npoints + p) mod n = k - 1.
+ *  The caller must not have used OpenMP in this process before (workers are forked).
+ *  @return PH_OK; PH_EPARTIAL (some realisations failed; the result is there); PH_ECANCELLED
+ *          (what was computed is on disk; the result is there); PH_EIO (the folder is in use
+ *          or holds another campaign, disk full); PH_EINVAL; PH_ENOMEM.
+ *  Tested: tests/unit/test_campaign.c, tests/cli/campaign.sh */
+PH_API ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params,
+                                 ph_campaign_result **out, ph_error *err);
+/** Bring the realisations of other folders into `folder`: in any order, any number of times
+ *  the same file comes out. Of two results of one realisation a success is taken before a
+ *  failure, then the first in the order of bytes.
+ *  @return as ph_campaign_run */
+PH_API ph_status ph_campaign_merge(const ph_campaign *c, const char *folder,
+                                   const char *const *from, size_t nfrom,
+                                   ph_campaign_result **out, ph_error *err);
+/** Only sum up what is there. */
+PH_API ph_status ph_campaign_summarise(const ph_campaign *c, const char *folder,
+                                       ph_campaign_result **out, ph_error *err);
+/** The document of schema perihom.campaign/1 (docs/campaigns.md), malloc'd: the same bytes
+ *  for the same realisations. */
+PH_API ph_status ph_campaign_to_json(const ph_campaign *c,
+                                     const ph_campaign_result *result, char **json,
+                                     ph_error *err);
+
+/** Everything that follows from the realisations: campaign.json, campaign.h5 and the plots.
+ *  Each file is whole or not there. Docs: docs/campaigns.md.
+ *  @return PH_OK; PH_EIO; PH_ENOMEM */
+PH_API ph_status ph_campaign_write(const ph_campaign *c, const char *folder,
+                                   const ph_campaign_result *result, ph_error *err);
 
 #ifdef __cplusplus
 }

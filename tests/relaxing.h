@@ -10,7 +10,7 @@ enum { MOST_TERMS = 8 };
 
 /* nterms moduli that add up to `total`, a share of it at rest, times over `decades`. */
 static inline ph_modulus random_series(uint64_t *seed, int nterms, double total,
-                                      double rest, double decades, ph_modulus_term *term)
+                                       double rest, double decades, ph_modulus_term *term)
 {
     double sum = 0.0;
     for (int t = 0; t < nterms; t++) {
@@ -24,8 +24,8 @@ static inline ph_modulus random_series(uint64_t *seed, int nterms, double total,
 }
 
 /* A random series of any tensors. */
-static inline ph_material random_tensor_phase(const char *name, uint64_t *seed, int nterms,
-                                              double rest, double decades)
+static inline ph_material random_tensor_phase(const char *name, uint64_t *seed,
+                                              int nterms, double rest, double decades)
 {
     ph_error err = PH_ERROR_INIT;
     ph_prony_term term[MOST_TERMS];
@@ -58,7 +58,7 @@ static inline ph_material random_phase(const char *name, uint64_t *seed, int kin
     int n1 = 1 + (int)(3 * check_random(seed)), n2 = 1 + (int)(3 * check_random(seed));
     if (kind == 3) return random_tensor_phase(name, seed, n1, rest, decades);
     ph_modulus a = random_series(seed, n1, kind == 2 ? E / 3 / (1 - 2 * nu) : E,
-                                kind == 2 ? 0.5 * (1 + rest) : rest, decades, t1);
+                                 kind == 2 ? 0.5 * (1 + rest) : rest, decades, t1);
     ph_modulus b = random_series(seed, n2, E / 2 / (1 + nu), rest, decades, t2);
     if (kind == 0)
         CHECK_OK(ph_material_isotropic(name, E, nu, &m, &err));

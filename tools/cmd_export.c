@@ -7,7 +7,7 @@
 
 typedef struct export_options {
     text_list operands;
-    const char *to, *output, *name, *symmetry;
+    const char *to, *output, *name, *symmetry, *state;
     int id;
     bool nearest;
 } export_options;
@@ -23,6 +23,8 @@ static const option_spec options[] = {
      "number of the material, for codes that number them"},
     {0, "symmetry", "CLASS", OPTION_TEXT, offsetof(export_options, symmetry),
      "the simplest that fits", "isotropic, orthotropic or anisotropic"},
+    {0, "state", "STATE", OPTION_TEXT, offsetof(export_options, state), "relaxation",
+     "of a viscoelastic result: relaxation (the series), instantaneous or equilibrium"},
     {0, "nearest", NULL, OPTION_FLAG, offsetof(export_options, nearest), NULL,
      "where the format or CLASS cannot hold the tensor, write the nearest one"},
 };
@@ -47,12 +49,14 @@ static const verb_spec export_verb = {
             "exit codes: 0 done, 2 usage, 3 cannot be held, 5 file or memory",
 };
 
-/* The class of a word, or -1. */
-static int class_of_word(const char *word)
+static const char *const classes[] = {"auto", "isotropic", "orthotropic", "anisotropic"};
+static const char *const states[] = {"relaxation", "instantaneous", "equilibrium"};
+
+/* Index of a word in `names`; 0 where it is not given, -1 where it is none of them. */
+static int find_word(const char *word, const char *const *names, int n)
 {
-    static const char *const names[] = {"auto", "isotropic", "orthotropic",
-                                        "anisotropic"};
-    for (int i = 0; i < 4; i++)
+    if (!word) return 0;
+    for (int i = 0; i < n; i++)
         if (strcmp(word, names[i]) == 0) return i;
     return -1;
 }
@@ -63,7 +67,11 @@ static int check_words(const export_options *o)
     const char *names[64];
     size_t n = 0;
     if (!o->to) return options_usage_error(&export_verb, "--to FORMAT is missing");
-    if (o->symmetry && class_of_word(o->symmetry) < 0)
+    if (find_word(o->state, states, 3) < 0)
+        return options_usage_error(
+            &export_verb, "--state is relaxation, instantaneous or equilibrium, not '%s'",
+            o->state);
+    if (find_word(o->symmetry, classes, 4) < 0)
         return options_usage_error(
             &export_verb, "--symmetry is isotropic, orthotropic or anisotropic, not '%s'",
             o->symmetry);
@@ -82,12 +90,12 @@ static ph_status export_result(const export_options *o, ph_error *err)
     ph_effective *effective = NULL;
     char *text = NULL;
     double distance = 0.0;
-    const ph_card_params params = {
-        .name = o->name,
-        .id = o->id,
-        .symmetry =
-            o->symmetry ? (ph_symmetry)class_of_word(o->symmetry) : PH_SYMMETRY_AUTO,
-        .nearest = o->nearest};
+    const ph_card_params params = {.name = o->name,
+                                   .id = o->id,
+                                   .symmetry =
+                                       (ph_symmetry)find_word(o->symmetry, classes, 4),
+                                   .state = (ph_card_state)find_word(o->state, states, 3),
+                                   .nearest = o->nearest};
     ph_status st = ph_effective_read(o->operands.item[0], &effective, err);
     if (st == PH_OK) st = ph_card_write(effective, o->to, &params, &text, &distance, err);
     if (st == PH_OK && o->output)

@@ -15,6 +15,7 @@ const verb verbs[] = {
     {"compute", "check", "what a case means and what it would take; solves nothing",
      cmd_check},
     {"compute", "bounds", "analytic bounds and estimates of a case", cmd_bounds},
+    {"compute", "campaign", "many realisations, sweeps; resumes", cmd_campaign},
     {"microstructure", "generate", "only the microstructure: picture, voxels, statistics",
      cmd_generate},
     {"look", "view", "pictures of a result", cmd_view},
@@ -90,6 +91,8 @@ int main(int argc, char **argv)
     gsl_set_error_handler_off();
     /* A pager that closes must not cost a result that is about to be written. */
     signal(SIGPIPE, SIG_IGN);
+    /* A limit of the file size is an error of the write, with its message. */
+    signal(SIGXFSZ, SIG_IGN);
     int code = close_stdout(dispatch(argc, argv));
     interrupt_reraise();
     return code;

@@ -38,7 +38,7 @@ double progress_share(double first, double residual, double tolerance)
     return fmin(fmax(share, 0.0), 1.0);
 }
 
-static void put_time(char *text, size_t size, double seconds)
+void progress_time(char *text, size_t size, double seconds)
 {
     if (!(seconds >= 0) || seconds > 1e8)
         snprintf(text, size, "--:--");
@@ -55,7 +55,7 @@ static void draw_bar(progress *p, const ph_progress *now, double done, double to
     memset(bar, '-', BAR_CELLS);
     memset(bar, '#', (size_t)full);
     bar[BAR_CELLS] = 0;
-    put_time(left, sizeof left, to_go);
+    progress_time(left, sizeof left, to_go);
     int width =
         fprintf(stderr,
                 "\r[%s] %3.0f %%  load %d/%d  iteration %d  residual %.1e  ETA %s", bar,

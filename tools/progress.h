@@ -5,6 +5,8 @@
 
 #include <perihom/error.h>
 
+#include <stddef.h>
+
 typedef enum progress_style {
     PROGRESS_NONE,
     PROGRESS_LINES,   /* a line every few seconds */
@@ -28,6 +30,8 @@ void progress_start(progress *p, progress_style style);
 bool progress_step(void *user, const ph_progress *now);
 /** Wipe the bar. */
 void progress_end(progress *p);
+/** "mm:ss" or "h:mm h"; "--:--" where unknown. */
+void progress_time(char *text, size_t size, double seconds);
 /** Share of one load that is done, from the logarithm of its residual; 0..1. */
 double progress_share(double first, double residual, double tolerance);
 

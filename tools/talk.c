@@ -31,7 +31,7 @@ int talk_error(const ph_error *err)
     return ph_status_exit_code(err->status);
 }
 
-static void talk_issues(const char *path, const ph_case_issues *issues)
+void talk_issues(const char *path, const ph_case_issues *issues)
 {
     for (size_t i = 0; i < issues->count; i++) {
         char text[1024];

@@ -2,9 +2,9 @@
 #ifndef TOOLS_H
 #define TOOLS_H
 
-#include <perihom_rve.h>
-
 #include "options.h"
+
+#include <perihom_campaign.h>
 
 /** A subcommand; argv[0] is the verb, the value the exit code. With "--help" as its only
  *  argument it prints its help on stdout and returns 0. */
@@ -19,6 +19,7 @@ int cmd_run(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_generate(int argc, char **argv);
 int cmd_bounds(int argc, char **argv);
+int cmd_campaign(int argc, char **argv);
 int cmd_view(int argc, char **argv);
 int cmd_export(int argc, char **argv);
 int cmd_list(int argc, char **argv);
@@ -42,6 +43,8 @@ bool talk_in_colour(FILE *to);
 /** Read a case; every complaint goes to stderr as FILE:LINE: message.
  *  @return 0, or the exit code with `out` NULL. */
 int case_load(const char *path, const text_list *sets, ph_case **out);
+/** Complaints on stderr as FILE:LINE: message. */
+void talk_issues(const char *path, const ph_case_issues *issues);
 /** Whether a case has equations to solve: not for the bounds of Voigt and Reuss. */
 bool case_solves(const ph_case *c);
 /** The problem that a case poses on its microstructure; borrows both. */

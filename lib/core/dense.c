@@ -105,7 +105,7 @@ void ph_i_singular_values(int m, int n, double *a, double *s)
         turned = 0;
         for (int p = 0; p < n; p++)
             for (int q = p + 1; q < n; q++)
-                turned += orthogonalise(m, a + (size_t)p * m, a + (size_t)q * m, &s[p],
-                                        &s[q]);
+                turned +=
+                    orthogonalise(m, a + (size_t)p * m, a + (size_t)q * m, &s[p], &s[q]);
     }
 }

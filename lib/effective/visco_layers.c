@@ -56,8 +56,8 @@ ph_status ph_i_layers_init(ph_layers *l, const ph_microstructure *micro,
     *l = (ph_layers){.micro = micro, .ns = map->ns};
     PH_ALLOC(l->six, micro->nmaterials, "phase flags");
     for (int p = 0; p < micro->nmaterials; p++)
-        l->six[p] = micro->grid.kinematics == PH_PLANE_STRESS &&
-                    ph_i_split_count(split, p) > 1;
+        l->six[p] =
+            micro->grid.kinematics == PH_PLANE_STRESS && ph_i_split_count(split, p) > 1;
     first = mixtures(micro, map);
     PH_CHECK(first, PH_ENOMEM, "no memory for cut cells");
     for (ptrdiff_t x = 0; x < map->cells; x++) {
@@ -190,8 +190,8 @@ static ph_status stack(ph_layers *l, const ph_layer *layer, ptrdiff_t n,
     l->under[0] = phase[layer[0].material];
     for (ptrdiff_t k = 1; k + 1 < n; k++)
         PH_TRY(ph_sym4_laminate(&l->under[k - 1], &phase[layer[k].material],
-                                layer[k].fraction, layer[k].cut->normal,
-                                &l->under[k], err));
+                                layer[k].fraction, layer[k].cut->normal, &l->under[k],
+                                err));
 out:
     return st;
 }

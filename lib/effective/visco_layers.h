@@ -7,7 +7,7 @@
  *   2 W / V = sum_layers share e_p : sum_q phi_q(s) X_qp : e_p,
  *
  * which the laminate's own stiffness, a quotient of moduli, is not.
- * Tested: tests/unit/test_visco_layers.c */
+ * Tested: tests/cross/test_sites.c */
 #ifndef PH_EFFECTIVE_VISCO_LAYERS_H
 #define PH_EFFECTIVE_VISCO_LAYERS_H
 
@@ -26,14 +26,14 @@ typedef struct ph_layer {
 typedef struct ph_layers {
     const ph_microstructure *micro; /* borrowed */
     int ns;
-    bool *six;          /* [materials] plane stress of a phase with more than one function */
-    ptrdiff_t count;    /* cells */
-    ptrdiff_t *cell;    /* [count] of the box, increasing */
-    ptrdiff_t *begin;   /* [count + 1] layers of a cell: base, then cuts */
+    bool *six;       /* [materials] plane stress of a phase with more than one function */
+    ptrdiff_t count; /* cells */
+    ptrdiff_t *cell; /* [count] of the box, increasing */
+    ptrdiff_t *begin; /* [count + 1] layers of a cell: base, then cuts */
     ph_layer *layer;
-    int deepest;        /* most layers of a cell */
-    ptrdiff_t record;   /* doubles of one record of the sites */
-    ph_sym4 *under;     /* [deepest] work */
+    int deepest;      /* most layers of a cell */
+    ptrdiff_t record; /* doubles of one record of the sites */
+    ph_sym4 *under;   /* [deepest] work */
 } ph_layers;
 
 /** The cells of `map` (region[x] != 0; NULL: all) whose layers have to be kept. */

@@ -90,8 +90,8 @@ ph_status ph_i_visco_lumped(ph_visco *v, bool uniform, const double *fraction,
         l.n += l.six[p] ? 3 : 0;
     PH_ALLOC(l.B, (size_t)l.phases * 6 * (size_t)l.n, "phases");
     fill(&l, uniform);
-    PH_TRY(ph_i_reduced_init(&v->model, l.ns, v->split.nfunctions, v->split.function,
-                             err));
+    PH_TRY(
+        ph_i_reduced_init(&v->model, l.ns, v->split.nfunctions, v->split.function, err));
     PH_TRY(ph_i_reduced_grow(&v->model, l.n - l.ns, err));
     PH_TRY(add_energy(&l, v, err));
 out:

@@ -103,8 +103,7 @@ static void assemble(const ph_reduced *m, double s, double *A, double *scale)
                 A[i * n + j] += phi * m->K[q][i * m->room + j];
     }
     for (int i = 0; i < n; i++)
-        scale[i] =
-            i >= m->ns && A[i * n + i] > 0.0 ? 1.0 / sqrt(A[i * n + i]) : 1.0;
+        scale[i] = i >= m->ns && A[i * n + i] > 0.0 ? 1.0 / sqrt(A[i * n + i]) : 1.0;
 }
 
 ph_status ph_i_reduced_at(const ph_reduced *m, double s, ph_sym4 *C, double *c,

@@ -15,9 +15,8 @@
  *
  * with Q_L the rows of Q that belong to L. Nothing is subtracted: every term is positive
  * semidefinite, times may span any number of decades, and M_inf may be singular. */
-#include "effective/visco_model.h"
-
 #include "core/dense.h"
+#include "effective/visco_model.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,8 +33,8 @@ typedef struct columns {
 } columns;
 
 typedef struct poles {
-    int ns, n, nb;  /* macro strains, rows, independent basis fields */
-    double *basis;  /* [nb][nbasis] combinations of fields that are orthonormal in M_0 */
+    int ns, n, nb; /* macro strains, rows, independent basis fields */
+    double *basis; /* [nb][nbasis] combinations of fields that are orthonormal in M_0 */
     columns F, L;
 } poles;
 
@@ -77,8 +76,7 @@ static int gram_columns(int n, const double *K, int stride, double least, double
         double share = 0.0;
         for (int i = 0; i < n; i++) {
             double whole = K[(size_t)i * stride + i];
-            if (whole > least && d[i] / whole > share)
-                share = d[i] / whole, best = i;
+            if (whole > least && d[i] / whole > share) share = d[i] / whole, best = i;
         }
         if (!(share > dependent)) break;
         double *g = G + (size_t)rank * n, pivot = sqrt(d[best]);
@@ -175,11 +173,10 @@ static ph_status make_columns(poles *p, const ph_reduced *m, ph_error *err)
         int rank = gram_columns(n, m->K[q], m->room, most * negligible, work, G);
         for (int k = 0; k < rank; k++) {
             change_basis(p, G + (size_t)k * n, row);
-            if (f->rest > 0.0)
-                PH_TRY(append(&p->F, rows, row, sqrt(f->rest), 0.0, err));
+            if (f->rest > 0.0) PH_TRY(append(&p->F, rows, row, sqrt(f->rest), 0.0, err));
             for (int t = 0; t < f->nterms; t++)
-                PH_TRY(append(&p->L, rows, row, sqrt(f->weight[t]), 1.0 / f->time[t],
-                              err));
+                PH_TRY(
+                    append(&p->L, rows, row, sqrt(f->weight[t]), 1.0 / f->time[t], err));
         }
     }
 out:
@@ -207,8 +204,9 @@ static ph_status compress(columns *c, int n, int first, int count, int *left,
     ph_i_qr(count, n, T, d, beta, NULL);
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++)
-            c->a[(size_t)(first + k) * n + i] =
-                i < k ? 0.0 : i == k ? d[k] : T[(size_t)i * count + k];
+            c->a[(size_t)(first + k) * n + i] = i < k    ? 0.0
+                                                : i == k ? d[k]
+                                                         : T[(size_t)i * count + k];
     *left = n;
 out:
     free(T);
@@ -332,8 +330,8 @@ static ph_status relaxing_part(const poles *p, int *count, double **Y, double **
     PH_ALLOC(*A, (size_t)*count * (size_t)R, "the poles");
     for (int i = 0; i < nb; i++)
         for (int j = 0; j < m; j++)
-            T[(size_t)i * m + j] =
-                (j < f ? p->F.a + (size_t)j * n : p->L.a + (size_t)(j - f) * n)[p->ns + i];
+            T[(size_t)i * m + j] = (j < f ? p->F.a + (size_t)j * n
+                                          : p->L.a + (size_t)(j - f) * n)[p->ns + i];
     ph_i_qr(m, nb, T, d, beta, NULL);
     for (int k = 0; k < *count; k++) {
         memset(e, 0, sizeof *e * (size_t)m);
@@ -342,8 +340,8 @@ static ph_status relaxing_part(const poles *p, int *count, double **Y, double **
         double *y = *Y + (size_t)k * p->ns;
         for (int j = 0; j < m; j++)
             for (int a = 0; a < p->ns; a++)
-                y[a] += e[j] *
-                        (j < f ? p->F.a + (size_t)j * n : p->L.a + (size_t)(j - f) * n)[a];
+                y[a] += e[j] * (j < f ? p->F.a + (size_t)j * n
+                                      : p->L.a + (size_t)(j - f) * n)[a];
         for (int j = 0; j < R; j++)
             (*A)[(size_t)k * R + j] = sqrt(p->L.rate[j]) * e[f + j];
     }
@@ -367,8 +365,7 @@ static ph_status singular(int count, int R, double *A, double *U, double *sigma,
     ph_i_qr(R, count, A, d, beta, order);
     for (int k = 0; k < count; k++) /* column k of R^T */
         for (int i = 0; i < count; i++)
-            U[(size_t)k * count + i] =
-                i < k ? 0.0 : i == k ? d[k] : A[(size_t)i * R + k];
+            U[(size_t)k * count + i] = i < k ? 0.0 : i == k ? d[k] : A[(size_t)i * R + k];
     ph_i_singular_values(count, count, U, sigma);
 out:
     free(d);
@@ -401,8 +398,8 @@ static int join(int count, ph_prony_term *term, double whole)
         if (n > 0 && term[k].time - term[n - 1].time <= same_time * term[k].time) {
             double v = trace(&term[n - 1].stiffness);
             term[n - 1].time += (term[k].time - term[n - 1].time) * (w / (v + w));
-            term[n - 1].stiffness = ph_sym4_combine(1.0, &term[n - 1].stiffness, 1.0,
-                                                    &term[k].stiffness);
+            term[n - 1].stiffness =
+                ph_sym4_combine(1.0, &term[n - 1].stiffness, 1.0, &term[k].stiffness);
         } else
             term[n++] = term[k];
     }
@@ -428,7 +425,8 @@ static ph_status terms_of(const poles *p, const ph_sym4 *rest, ph_prony **out,
         if (!(sigma[k] > 0.0)) continue;
         for (int i = 0; i < count; i++)
             for (int a = 0; a < ns; a++)
-                r[a] += Y[(size_t)order[i] * ns + a] * U[(size_t)k * count + i] / sigma[k];
+                r[a] +=
+                    Y[(size_t)order[i] * ns + a] * U[(size_t)k * count + i] / sigma[k];
         term[n] = (ph_prony_term){1.0 / sigma[k] / sigma[k], {.n = ns}};
         for (int a = 0; a < ns; a++)
             for (int b = 0; b < ns; b++)

@@ -8,9 +8,8 @@
  *   e.(C_model - C).e = [2 W(T) - 2 W(e, u)] + r.A^-1.r
  *
  * The correction captures d.r of the last term and the rule of Gauss-Radau bounds the rest. */
-#include "effective/visco.h"
-
 #include "core/jacobi.h"
+#include "effective/visco.h"
 
 #include <math.h>
 #include <string.h>
@@ -107,8 +106,7 @@ static ph_status residual(ph_visco *v, visit *now, int a, double *size, ph_error
                                   &e, err));
         v->out->applications++;
         energy = e.mean + e.modes + e.stabilisation;
-        now->hidden[a] =
-            fmax(0.0, now->C.m[a][a] - energy / (double)r->setting.averaged);
+        now->hidden[a] = fmax(0.0, now->C.m[a][a] - energy / (double)r->setting.averaged);
     }
     if (!r->constraint->by_stress) return PH_OK;
     for (int b = 0; b < r->map->ns; b++)
@@ -136,15 +134,15 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
                    (!(v->least > 0.0) && norm <= tolerance * size);
     memset(v->d[a], 0, sizeof *v->d[a] * n);
     if (now->idle[a]) return PH_OK;
-    ph_cg_report report = {.tolerance =
-                               v->least > 0.0 ? no_load : fmin(0.5, tolerance * size / norm),
-                           .max_iterations = sp->max_iterations > 0 ? sp->max_iterations
-                                                                    : DEFAULT_ITERATIONS,
-                           .ctx = r->ctx,
-                           .load = a + 1,
-                           .loads = r->map->ns,
-                           .least = v->least,
-                           .energy_most = most};
+    ph_cg_report report = {
+        .tolerance = v->least > 0.0 ? no_load : fmin(0.5, tolerance * size / norm),
+        .max_iterations =
+            sp->max_iterations > 0 ? sp->max_iterations : DEFAULT_ITERATIONS,
+        .ctx = r->ctx,
+        .load = a + 1,
+        .loads = r->map->ns,
+        .least = v->least,
+        .energy_most = most};
     memcpy(v->f, v->r[a], sizeof *v->f * n);
     st = r->solver->solve(r->state, v->f, v->d[a], &report, err);
     v->out->iterations += report.iterations;
@@ -155,7 +153,8 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
     }
     now->left[a] = report.energy_left / cells;
     /* As far as arithmetic goes: of a contrast of 1e12 that may be above what was asked. */
-    if (st == PH_ENOCONV && v->least > 0.0 && report.residual * norm <= tolerance * size) {
+    if (st == PH_ENOCONV && v->least > 0.0 &&
+        report.residual * norm <= tolerance * size) {
         st = PH_OK;
         if (err) *err = (ph_error)PH_ERROR_INIT;
     }

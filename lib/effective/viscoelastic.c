@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <perihom/viscoelastic.h>
 
-#include "effective/visco.h"
-
 #include "core/jacobi.h"
+#include "effective/visco.h"
 
 #include <math.h>
 #include <string.h>
 
 const ph_relaxation_route ph_relaxation_routes[] = {
     {{"reduced", "elastic fields at a few Carson variables, projection, exact poles",
-      "", "every constraint and model"},
+      "Hashin1965a", "every constraint and model"},
      ph_i_relaxation_reduced},
     {{"carson", "an elastic problem at every Carson variable asked for", "Hashin1965",
       "every constraint and model"},
@@ -87,9 +86,8 @@ ph_status ph_i_visco_answer(ph_viscoelastic *out, const ph_reduced *model,
     out->lost = count_lost(&out->equilibrium, &out->instantaneous);
     PH_ALLOC(out->values, params->ncarson, "values of the Carson variable");
     for (int i = 0; i < params->ncarson; i++)
-        out->values[out->nvalues++] =
-            (ph_carson_value){params->carson[i],
-                              ph_prony_carson(out->series, params->carson[i])};
+        out->values[out->nvalues++] = (ph_carson_value){
+            params->carson[i], ph_prony_carson(out->series, params->carson[i])};
 out:
     return st;
 }
@@ -106,8 +104,8 @@ static ph_status check_params(const ph_relaxation_params *p, ph_error *err)
     PH_CHECK(p->ncarson >= 0 && (p->ncarson == 0 || p->carson), PH_EINVAL,
              "no array of %d Carson variables", p->ncarson);
     for (int i = 0; i < p->ncarson; i++)
-        PH_CHECK(p->carson[i] >= 0.0, PH_EINVAL,
-                 "a Carson variable must be >= 0, got %g", p->carson[i]);
+        PH_CHECK(p->carson[i] >= 0.0, PH_EINVAL, "a Carson variable must be >= 0, got %g",
+                 p->carson[i]);
 out:
     return st;
 }
@@ -116,7 +114,8 @@ static void say_lost(ph_viscoelastic *v)
 {
     if (v->lost == 0 || !v->elastic) return;
     if (v->lost == v->instantaneous.n)
-        ph_i_note(v->elastic, "equilibrium: zero, the composite flows in every direction");
+        ph_i_note(v->elastic,
+                  "equilibrium: zero, the composite flows in every direction");
     else
         ph_i_note(v->elastic,
                   "equilibrium: singular, the composite flows in %d of %d directions",

@@ -67,11 +67,26 @@ const char *ph_card_ending(const char *format)
     return f ? f->ending : NULL;
 }
 
-/* The simplest class that the format has and that holds the tensor. */
-static ph_status choose_class(const ph_card_format *f, const ph_sym4 *c,
-                              const ph_card_params *params, ph_symmetry *out,
-                              ph_error *err)
+/* |C - C_class| / |C|; of a series the worst of its tensors over |C(0+)|. */
+static double distance_of(const ph_sym4 *c, const ph_prony *series, ph_symmetry symmetry)
 {
+    double worst = ph_symmetry_project(c, symmetry, NULL);
+    for (int k = -1; series && k < series->nterms; k++) {
+        const ph_sym4 *t = k < 0 ? &series->equilibrium : &series->term[k].stiffness;
+        double norm = ph_sym4_norm(t);
+        if (norm > 0.0)
+            worst = fmax(worst,
+                         ph_symmetry_project(t, symmetry, NULL) * norm / ph_sym4_norm(c));
+    }
+    return worst;
+}
+
+/* The simplest class that the format has and that holds the material. */
+static ph_status choose_class(const ph_card_format *f, const ph_sym4 *c,
+                              const ph_prony *series, const ph_card_params *params,
+                              ph_symmetry *out, ph_error *err)
+{
+    unsigned classes = series ? f->relaxes : f->classes;
     ph_status st = PH_OK;
     double tolerance = params->tolerance > 0.0 ? params->tolerance : default_tolerance;
     double distance = INFINITY;
@@ -79,14 +94,14 @@ static ph_status choose_class(const ph_card_format *f, const ph_sym4 *c,
     for (int s = PH_SYMMETRY_ISOTROPIC; s <= PH_SYMMETRY_ANISOTROPIC; s++) {
         bool asked =
             params->symmetry == PH_SYMMETRY_AUTO || params->symmetry == (ph_symmetry)s;
-        if (!asked || !(f->classes >> s & 1)) continue;
+        if (!asked || !(classes >> s & 1)) continue;
         largest = (ph_symmetry)s;
-        distance = ph_symmetry_project(c, largest, NULL);
+        distance = distance_of(c, series, largest);
         if (distance <= tolerance) break;
     }
     PH_CHECK(largest != PH_SYMMETRY_AUTO, PH_EUNPHYSICAL,
-             "format '%s' has no card for %s materials: %s", f->info.name,
-             class_name[params->symmetry], f->info.valid);
+             "format '%s' has no card for %s%s materials: %s", f->info.name,
+             class_name[params->symmetry], series ? " viscoelastic" : "", f->info.valid);
     PH_CHECK(distance <= tolerance || params->nearest, PH_EUNPHYSICAL,
              "the material is not %s: the nearest such tensor is %.2g of its norm away "
              "(tolerance %.2g); format '%s' takes it only where the nearest is asked for",
@@ -115,28 +130,66 @@ out:
     return st;
 }
 
-static ph_status fill(const ph_effective *effective, const ph_card_params *params,
+/* Moduli of an isotropic series: shear is half an eigenvalue, bulk a third of the other. */
+static ph_status fill_moduli(const ph_prony *series, ph_i_card *card, ph_error *err)
+{
+    ph_status st = PH_OK;
+    card->series = series;
+    PH_ALLOC(card->G, 1 + series->nterms, "shear moduli");
+    PH_ALLOC(card->K, 1 + series->nterms, "bulk moduli");
+    for (int k = -1; k < series->nterms; k++) {
+        ph_sym4 p;
+        ph_symmetry_project(k < 0 ? &series->equilibrium : &series->term[k].stiffness,
+                            PH_SYMMETRY_ISOTROPIC, &p);
+        card->G[k + 1] = 0.5 * p.m[p.n - 1][p.n - 1];
+        card->K[k + 1] = p.m[0][1] + 2.0 / 3.0 * card->G[k + 1];
+        card->G0 += card->G[k + 1];
+        card->K0 += card->K[k + 1];
+    }
+out:
+    return st;
+}
+
+static ph_status fill(const ph_effective *effective, const ph_sym4 *stiffness,
+                      const ph_prony *series, const ph_card_params *params,
                       ph_i_card *card, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_sym4 c;
     double voigt[36];
-    int n = effective->stiffness.n;
+    int n = stiffness->n;
     card->effective = effective;
     card->name = params->name ? params->name : "perihom";
     card->id = params->id > 0 ? params->id : 1;
     card->n = n;
     card->density = effective->density;
-    card->distance = ph_symmetry_project(&effective->stiffness, card->symmetry, &c);
+    card->distance = distance_of(stiffness, series, card->symmetry);
+    ph_symmetry_project(stiffness, card->symmetry, &c);
     ph_sym4_to_voigt(&c, true, voigt);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            card->D[i][j] = voigt[i * n + j];
     double least = round_off * ph_sym4_norm(&c);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            if (fabs(card->D[i][j]) < least) card->D[i][j] = 0.0;
+    for (int i = 0; i < n * n; i++)
+        card->D[i / n][i % n] = fabs(voigt[i]) < least ? 0.0 : voigt[i];
     PH_TRY(ph_engineering_constants(&c, &card->e, err));
+    if (series) PH_TRY(fill_moduli(series, card, err));
+out:
+    return st;
+}
+
+/* What the card is to say: the tensor of a state, with the series or without. */
+static ph_status choose_state(const ph_effective *e, const ph_card_params *params,
+                              ph_sym4 *stiffness, const ph_prony **series, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_prony *p = e->relaxation && e->relaxation->nterms > 0 ? e->relaxation : NULL;
+    PH_CHECK((unsigned)params->state <= PH_CARD_EQUILIBRIUM, PH_EINVAL,
+             "unknown state %d", (int)params->state);
+    *stiffness = e->stiffness;
+    if (p) *stiffness = ph_prony_instantaneous(p);
+    if (p && params->state == PH_CARD_EQUILIBRIUM) *stiffness = p->equilibrium;
+    *series = params->state == PH_CARD_RELAXATION ? p : NULL;
+    PH_CHECK(ph_sym4_is_stiffness(stiffness), PH_EINVAL,
+             "the %sstiffness is not symmetric positive definite",
+             p && params->state == PH_CARD_EQUILIBRIUM ? "equilibrium " : "");
 out:
     return st;
 }
@@ -148,6 +201,8 @@ ph_status ph_card_write(const ph_effective *effective, const char *format,
     static const ph_card_params defaults = {0};
     ph_status st = PH_OK;
     ph_i_card card = {0};
+    ph_sym4 stiffness = {0};
+    const ph_prony *series = NULL;
     char *buffer = NULL;
     size_t size = 0;
     FILE *to = NULL;
@@ -159,17 +214,20 @@ ph_status ph_card_write(const ph_effective *effective, const char *format,
              "unknown symmetry %d", (int)params->symmetry);
     PH_CHECK(params->tolerance >= 0.0 && params->tolerance < 1.0, PH_EINVAL,
              "the tolerance must be in (0, 1), got %g", params->tolerance);
-    PH_CHECK(ph_sym4_is_stiffness(&effective->stiffness), PH_EINVAL,
-             "the stiffness is not symmetric positive definite");
+    PH_TRY(choose_state(effective, params, &stiffness, &series, err));
     PH_CHECK(
-        effective->stiffness.n == 6 || f->plane, PH_EINVAL,
+        stiffness.n == 6 || f->plane, PH_EINVAL,
         "a %s result has no constants out of the plane, which format '%s' needs: solve "
         "with plane: generalised_strain, or in 3D",
         effective->kinematics == PH_PLANE_STRESS ? "plane stress" : "plane strain",
         f->info.name);
+    PH_CHECK(!series || f->relaxes, PH_EUNPHYSICAL,
+             "format '%s' has no card for a relaxation series; its instantaneous or its "
+             "equilibrium tensor can be written instead",
+             f->info.name);
     if (params->name) PH_TRY(check_name(params->name, err));
-    PH_TRY(choose_class(f, &effective->stiffness, params, &card.symmetry, err));
-    PH_TRY(fill(effective, params, &card, err));
+    PH_TRY(choose_class(f, &stiffness, series, params, &card.symmetry, err));
+    PH_TRY(fill(effective, &stiffness, series, params, &card, err));
     to = open_memstream(&buffer, &size);
     PH_CHECK(to, PH_ENOMEM, "no memory for the card");
     f->write(to, &card);
@@ -181,5 +239,7 @@ ph_status ph_card_write(const ph_effective *effective, const char *format,
     buffer = NULL;
 out:
     free(buffer);
+    free(card.G);
+    free(card.K);
     return st;
 }

@@ -18,6 +18,10 @@ typedef struct ph_i_card {
     double D[6][6]; /* stiffness, Voigt 11 22 33 23 13 12, engineering shear */
     ph_engineering e;
     double density; /* NaN: not known */
+    /* viscoelastic and isotropic: shear and bulk moduli of equilibrium and terms */
+    const ph_prony *series; /* NULL: elastic */
+    double G0, K0;          /* instantaneous */
+    double *G, *K;          /* [1 + terms], the equilibrium first */
 } ph_i_card;
 
 typedef struct ph_card_format {
@@ -25,6 +29,7 @@ typedef struct ph_card_format {
     const char *ending;
     unsigned classes; /* bit ph_symmetry: the format can hold it */
     bool plane;       /* takes tensors of n = 3 too */
+    unsigned relaxes; /* bit ph_symmetry: classes of relaxation series that it can hold */
     void (*write)(FILE *to, const ph_i_card *card);
 } ph_card_format;
 

@@ -64,12 +64,26 @@ static void keyword_elastic(FILE *to, const ph_i_card *c)
     }
 }
 
+/* g_i = G_i / G0, k_i = K_i / K0, tau_i, beside the instantaneous constants. */
+static void keyword_prony(FILE *to, const ph_i_card *c)
+{
+    fprintf(to,
+            "*ELASTIC, MODULI=INSTANTANEOUS\n%.11g, %.11g\n*VISCOELASTIC, TIME=PRONY\n",
+            c->e.E[0], c->e.nu[0][1]);
+    for (int k = 0; k < c->series->nterms; k++)
+        fprintf(to, "%.11g, %.11g, %.11g\n", c->G[k + 1] / c->G0, c->K[k + 1] / c->K0,
+                c->series->term[k].time);
+}
+
 static void write_keyword(FILE *to, const ph_i_card *c)
 {
     head(to, c, "**");
     fprintf(to, "*MATERIAL, NAME=%s\n", c->name);
     if (!isnan(c->density)) fprintf(to, "*DENSITY\n%.11g\n", c->density);
-    keyword_elastic(to, c);
+    if (c->series)
+        keyword_prony(to, c);
+    else
+        keyword_elastic(to, c);
 }
 
 /* ---- Ansys ---- */
@@ -77,6 +91,18 @@ static void write_keyword(FILE *to, const ph_i_card *c)
 static void ansys_property(FILE *to, const ph_i_card *c, const char *label, double x)
 {
     fprintf(to, "MP,%s,%d,%.11g\n", label, c->id, x);
+}
+
+/* Pairs of relative modulus and time, six numbers a TBDATA. */
+static void ansys_prony(FILE *to, const ph_i_card *c, const char *label, const double *m,
+                        double m0)
+{
+    fprintf(to, "TB,PRONY,%d,,%d,%s\n", c->id, c->series->nterms, label);
+    for (int k = 0; k < c->series->nterms; k++) {
+        if (k % 3 == 0) fprintf(to, "%sTBDATA,%d", k ? "\n" : "", 2 * k + 1);
+        fprintf(to, ",%.11g,%.11g", m[k + 1] / m0, c->series->term[k].time);
+    }
+    fputc('\n', to);
 }
 
 static void write_ansys(FILE *to, const ph_i_card *c)
@@ -103,6 +129,10 @@ static void write_ansys(FILE *to, const ph_i_card *c)
                 fprintf(to, ",%.11g", c->D[ansys_order[i]][ansys_order[j]]);
             }
         fputc('\n', to);
+    }
+    if (c->series) {
+        ansys_prony(to, c, "SHEAR", c->G, c->G0);
+        ansys_prony(to, c, "BULK", c->K, c->K0);
     }
 }
 
@@ -155,13 +185,34 @@ static void dyna_axes(FILE *to)
     tens(to, (const double[]){0, 0, 0, 0, 1, 0}, 6);
 }
 
+/* G_i, beta_i = 1 / tau_i, K_i, beta_i; the first term is the equilibrium, beta = 0. */
+static void dyna_prony(FILE *to, const ph_i_card *c, double rho)
+{
+    fprintf(to,
+            "*MAT_GENERAL_VISCOELASTIC\n"
+            "$      mid        ro      bulk       pcf        ef      tref         a"
+            "         b\n%10d",
+            c->id);
+    tens(to, (const double[]){rho, c->K0, 0, 0, 0, 0, 0}, 7);
+    fprintf(to, "$     lcid        nt    bstart     tramp     lcidk       ntk   bstartk"
+                "    trampk\n");
+    tens(to, (const double[]){0, 0, 0, 0, 0, 0, 0, 0}, 8);
+    fprintf(to, "$       gi     betai        ki    betaki\n");
+    for (int k = 0; k <= c->series->nterms; k++) {
+        double beta = k ? 1.0 / c->series->term[k - 1].time : 0.0;
+        tens(to, (const double[]){c->G[k], beta, c->K[k], beta}, 4);
+    }
+}
+
 static void write_dyna(FILE *to, const ph_i_card *c)
 {
     const ph_engineering *e = &c->e;
     double rho = isnan(c->density) ? 0.0 : c->density;
     head(to, c, "$");
     if (isnan(c->density)) fprintf(to, "$ density not known: set RO\n");
-    if (c->symmetry == PH_SYMMETRY_ISOTROPIC) {
+    if (c->series) {
+        dyna_prony(to, c, rho);
+    } else if (c->symmetry == PH_SYMMETRY_ISOTROPIC) {
         fprintf(to, "*MAT_ELASTIC\n%10d", c->id);
         tens(to, (const double[]){rho, e->E[0], e->nu[0][1]}, 3);
     } else if (c->symmetry == PH_SYMMETRY_ORTHOTROPIC) {
@@ -256,10 +307,22 @@ static void json_text(FILE *to, const char *text)
     fputc('"', to);
 }
 
+static void json_matrix(FILE *to, int n, double rows[6][6])
+{
+    for (int i = 0; i < n; i++) {
+        fprintf(to, "  [");
+        for (int j = 0; j < n; j++)
+            fprintf(to, "%.17g%s", rows[i][j], j < n - 1 ? ", " : "]");
+        fputs(i < n - 1 ? ",\n" : "\n ]", to);
+    }
+}
+
 static void write_json(FILE *to, const ph_i_card *c)
 {
     const ph_effective *e = c->effective;
     fprintf(to, "{\"schema\": \"perihom.card/1\", \"title\": ");
+    double D[6][6];
+    memcpy(D, c->D, sizeof D);
     json_text(to, e->title);
     fprintf(to, ", \"name\": \"%s\",\n \"units\": {\"length\": ", c->name);
     json_text(to, e->unit_length);
@@ -273,12 +336,22 @@ static void write_json(FILE *to, const ph_i_card *c)
     fprintf(to, isnan(c->density) ? "null" : "%.17g", c->density);
     fprintf(to, ",\n \"notation\": \"voigt %s, engineering shear\",\n \"stiffness\": [\n",
             c->n == 6 ? "11 22 33 23 13 12" : "11 22 12");
-    for (int i = 0; i < c->n; i++) {
-        fprintf(to, "  [");
-        for (int j = 0; j < c->n; j++)
-            fprintf(to, "%.17g%s", c->D[i][j], j < c->n - 1 ? ", " : "]");
-        fputs(i < c->n - 1 ? ",\n" : "\n ]}\n", to);
+    json_matrix(to, c->n, D);
+    for (int k = -1; c->series && k < c->series->nterms; k++) {
+        double voigt[36], rows[6][6] = {{0}};
+        ph_sym4_to_voigt(k < 0 ? &c->series->equilibrium : &c->series->term[k].stiffness,
+                         true, voigt);
+        for (int i = 0; i < c->n * c->n; i++)
+            rows[i / c->n][i % c->n] = voigt[i];
+        if (k < 0)
+            fprintf(to, ",\n \"stiffness_infinity\": [\n");
+        else
+            fprintf(to, "%s{\"time\": %.17g, \"stiffness\": [\n",
+                    k ? ", " : ",\n \"terms\": [", c->series->term[k].time);
+        json_matrix(to, c->n, rows);
+        if (k >= 0) fputc('}', to);
     }
+    fputs(c->series ? "]}\n" : "}\n", to);
 }
 
 enum {
@@ -288,53 +361,66 @@ enum {
 };
 
 const ph_card_format ph_i_card_formats[] = {
-    {{"abaqus", "Abaqus: *MATERIAL, *ELASTIC", "", "any elastic tensor"},
+    {{"abaqus", "Abaqus: *MATERIAL, *ELASTIC, *VISCOELASTIC", "",
+      "any elastic tensor, an isotropic relaxation"},
      ".inp",
      ISO | ORTHO | ANISO,
      false,
+     ISO,
      write_keyword},
     {{"calculix", "CalculiX: *MATERIAL, *ELASTIC", "", "any elastic tensor"},
      ".inp",
      ISO | ORTHO | ANISO,
      false,
+     0,
      write_keyword},
-    {{"ansys", "Ansys APDL: MP, TB,ANEL", "", "any elastic tensor"},
+    {{"ansys", "Ansys APDL: MP, TB,ANEL, TB,PRONY", "",
+      "any elastic tensor, an isotropic relaxation"},
      ".mac",
      ISO | ORTHO | ANISO,
      false,
+     ISO,
      write_ansys},
     {{"code_aster", "Code_Aster: DEFI_MATERIAU, ELAS or ELAS_ORTH", "",
       "isotropic or orthotropic in the axes of the RVE"},
      ".comm",
      ISO | ORTHO,
      false,
+     0,
      write_aster},
     {{"ls_dyna",
-      "LS-DYNA: *MAT_ELASTIC, *MAT_ORTHOTROPIC_ELASTIC, *MAT_ANISOTROPIC_ELASTIC", "",
-      "any elastic tensor; seven digits or so"},
+      "LS-DYNA: *MAT_ELASTIC, *MAT_ORTHOTROPIC_ELASTIC, "
+      "*MAT_ANISOTROPIC_ELASTIC, *MAT_GENERAL_VISCOELASTIC",
+      "", "any elastic tensor, an isotropic relaxation; seven digits or so"},
      ".k",
      ISO | ORTHO | ANISO,
      false,
+     ISO,
      write_dyna},
     {{"openradioss", "OpenRadioss: /MAT/ELAST", "", "isotropic"},
      ".rad",
      ISO,
      false,
+     0,
      write_radioss},
     {{"sfepy", "sfepy: a NumPy matrix in its order", "", "any elastic tensor"},
      ".py",
      ANISO,
      false,
+     0,
      write_sfepy},
     {{"fenics", "FEniCS (UFL): a matrix and a stress function", "", "any elastic tensor"},
      ".py",
      ANISO,
      false,
+     0,
      write_fenics},
-    {{"json", "JSON, schema perihom.card/1", "", "any elastic tensor, 2D too"},
+    {{"json", "JSON, schema perihom.card/1", "",
+      "any elastic tensor or relaxation series, 2D too"},
      ".json",
      ISO | ORTHO | ANISO,
      true,
+     ANISO,
      write_json},
 };
 const size_t ph_i_ncard_formats = sizeof ph_i_card_formats / sizeof *ph_i_card_formats;

@@ -77,45 +77,13 @@ out:
     return st;
 }
 
-/* Stable: complaints of one line keep their order; insertion sort, they are few and nearly
- * sorted. Those of --set (line 0) come last. */
-static void sort_by_line(ph_case_issues *issues)
-{
-    for (size_t i = 1; i < issues->count; i++) {
-        ph_case_issue moved = issues->item[i];
-        size_t k = i;
-        unsigned line = (unsigned)moved.line - 1u; /* 0 becomes the largest */
-        for (; k > 0 && (unsigned)issues->item[k - 1].line - 1u > line; k--)
-            issues->item[k] = issues->item[k - 1];
-        issues->item[k] = moved;
-    }
-}
-
-/* What the complaints come to, the first of them in `err`. */
-static ph_status verdict(const ph_i_reader *r, ph_error *err)
-{
-    char text[512];
-    if (r->out_of_memory) return PH_FAIL(err, PH_ENOMEM, "no memory for complaints");
-    if (r->invalid + r->unphysical == 0) return PH_OK;
-    const ph_case_issue *first = r->issues->item;
-    while (first->warning)
-        first++;
-    ph_case_issue_text(first, r->file, text, sizeof text);
-    return PH_FAIL(err, r->invalid ? PH_EINVAL : PH_EUNPHYSICAL, "%s", text);
-}
-
 /* path and folder of the case; a path that does not fit is refused. */
 static bool set_path(ph_case *c, const char *name)
 {
     size_t n = strlen(name);
     if (n >= sizeof c->path) return false;
     memcpy(c->path, name, n + 1);
-    const char *slash = strrchr(name, '/');
-    if (!slash)
-        snprintf(c->folder, sizeof c->folder, ".");
-    else
-        snprintf(c->folder, sizeof c->folder, "%.*s",
-                 slash == name ? 1 : (int)(slash - name), name);
+    ph_i_folder_of(name, c->folder, sizeof c->folder);
     return true;
 }
 
@@ -138,8 +106,7 @@ ph_status ph_case_parse(const char *text, size_t length, const char *name,
     for (size_t i = 0; root && i < nsets; i++)
         PH_TRY(ph_i_tree_set(&r, &root, sets[i], err));
     if (root) PH_TRY(read_case(&r, root, err));
-    sort_by_line(r.issues);
-    PH_TRY(verdict(&r, err));
+    PH_TRY(ph_i_verdict(&r, err));
     *out = r.c;
     r.c = NULL;
 out:

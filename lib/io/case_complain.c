@@ -186,3 +186,31 @@ void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const c
         if (strcmp(map->child[i]->key, key) == 0) at = map->child[i];
     complain(r, at, at == map ? key : NULL, PH_EINVAL, text);
 }
+
+/* Stable: complaints of one line keep their order; insertion sort, they are few and nearly
+ * sorted. Those of --set (line 0) come last. */
+static void sort_by_line(ph_case_issues *issues)
+{
+    for (size_t i = 1; i < issues->count; i++) {
+        ph_case_issue moved = issues->item[i];
+        size_t k = i;
+        unsigned line = (unsigned)moved.line - 1u; /* 0 becomes the largest */
+        for (; k > 0 && (unsigned)issues->item[k - 1].line - 1u > line; k--)
+            issues->item[k] = issues->item[k - 1];
+        issues->item[k] = moved;
+    }
+}
+
+/* What the complaints come to, the first of them in `err`. */
+ph_status ph_i_verdict(ph_i_reader *r, ph_error *err)
+{
+    char text[512];
+    sort_by_line(r->issues);
+    if (r->out_of_memory) return PH_FAIL(err, PH_ENOMEM, "no memory for complaints");
+    if (r->invalid + r->unphysical == 0) return PH_OK;
+    const ph_case_issue *first = r->issues->item;
+    while (first->warning)
+        first++;
+    ph_case_issue_text(first, r->file, text, sizeof text);
+    return PH_FAIL(err, r->invalid ? PH_EINVAL : PH_EUNPHYSICAL, "%s", text);
+}

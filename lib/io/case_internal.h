@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of the case-file reader: text -> tree of nodes (case_yaml.c), overrides put into the
+/* Inside of the readers of YAML documents, the case file and those of campaigns: text -> tree of nodes (case_yaml.c), overrides put into the
  * tree (case_set.c), typed reads that collect complaints (case_read.c), one file a section. */
 #ifndef PH_IO_CASE_INTERNAL_H
 #define PH_IO_CASE_INTERNAL_H
@@ -56,6 +56,12 @@ void ph_i_tree_free(ph_i_node **node);
 ph_status ph_i_tree_append(ph_i_node *parent, const char *key, ph_i_node *child,
                            ph_error *err);
 
+/** The node as YAML of one line (malloc'd), which parses to the same again: the value of an
+ *  override. NULL: no memory. */
+char *ph_i_tree_text(const ph_i_node *node);
+/** Folder part of a path: "." where it has none, "/" for the root. */
+void ph_i_folder_of(const char *path, char *folder, size_t size);
+
 /* ---- case_set.c */
 
 /** Put "key.path=value" into the tree; what is wrong with it is a complaint. */
@@ -74,6 +80,10 @@ void ph_i_reject(ph_i_reader *r, const ph_i_node *at, ph_status status, const ch
 /** "path.key: missing: rule"; silent where an unknown key was taken for a misspelt `key`. */
 void ph_i_missing(ph_i_reader *r, const ph_i_node *map, const char *key, const char *fmt,
                   ...) PH_PRINTF(4, 5);
+
+/** What all complaints come to, in the order of the file, the first in `err`.
+ *  @return PH_OK (warnings at most); PH_EINVAL; PH_EUNPHYSICAL; PH_ENOMEM */
+ph_status ph_i_verdict(ph_i_reader *r, ph_error *err);
 
 /* ---- case_read.c: typed reads. False or -1 after a complaint; `rule` says what is
  * admissible ("Young's modulus must be a number > 0"). */

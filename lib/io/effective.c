@@ -15,6 +15,7 @@ enum { MOST_BYTES = 256 << 20 };
 void ph_effective_free(ph_effective **effective)
 {
     if (!effective || !*effective) return;
+    ph_prony_free(&(*effective)->relaxation);
     free(*effective);
     *effective = NULL;
 }
@@ -125,6 +126,37 @@ static double density_of(const json_t *root)
     return sum > 0.0 ? sum : (double)NAN;
 }
 
+/* effective.viscoelastic, where it is there: the series that people get. */
+static ph_status read_relaxation(const json_t *v, int n, ph_prony **out, ph_error *err)
+{
+    static const char where[] = "effective.viscoelastic";
+    ph_status st = PH_OK;
+    double voigt[36];
+    ph_prony_term *term = NULL;
+    if (!json_is_object(v)) return PH_OK;
+    const json_t *terms = json_object_get(v, "terms");
+    size_t count = json_array_size(terms);
+    PH_CHECK(json_is_array(terms) && count <= 100000, PH_EINVAL,
+             "%s.terms: must be a list of {time, stiffness}", where);
+    PH_CHECK(read_matrix(json_object_get(v, "stiffness_infinity"), n, voigt), PH_EINVAL,
+             "%s.stiffness_infinity: must be %d rows of %d numbers", where, n, n);
+    ph_sym4 equilibrium = ph_sym4_from_voigt(n, voigt, true);
+    PH_ALLOC(term, count, "relaxation terms");
+    for (size_t i = 0; i < count; i++) {
+        const json_t *t = json_array_get(terms, i), *time = json_object_get(t, "time");
+        PH_CHECK(json_is_number(time) &&
+                     read_matrix(json_object_get(t, "stiffness"), n, voigt),
+                 PH_EINVAL, "%s.terms[%zu]: must be {time, stiffness: %d x %d}", where, i,
+                 n, n);
+        term[i].time = json_number_value(time);
+        term[i].stiffness = ph_sym4_from_voigt(n, voigt, true);
+    }
+    PH_TRY(ph_prony_new(&equilibrium, (int)count, term, out, err));
+out:
+    free(term);
+    return st;
+}
+
 static ph_status take_document(const json_t *root, ph_effective *e, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -142,6 +174,9 @@ static ph_status take_document(const json_t *root, ph_effective *e, ph_error *er
     e->stiffness = ph_sym4_from_voigt(n, voigt, true);
     PH_CHECK(ph_sym4_is_stiffness(&e->stiffness), PH_EINVAL,
              "effective.stiffness: is not symmetric positive definite");
+    PH_TRY(read_relaxation(json_object_get(effective, "viscoelastic"), n, &e->relaxation,
+                           err));
+    if (e->relaxation) e->stiffness = ph_prony_instantaneous(e->relaxation);
     const json_t *units = json_object_get(root, "units");
     take_text(root, "title", e->title, sizeof e->title);
     take_text(units, "length", e->unit_length, sizeof e->unit_length);

@@ -31,25 +31,6 @@ static bool is_named(const ph_series *s)
     return s->name && s->name[0];
 }
 
-static ph_status check_range(const double range[2], bool log, const char *axis,
-                             ph_error *err)
-{
-    ph_status st = PH_OK;
-    if (range[0] == range[1]) goto out;
-    double size = fmax(fabs(range[0]), fabs(range[1]));
-    PH_CHECK(size <= 1e300 && range[1] - range[0] > 1e-12 * size &&
-                 range[1] - range[0] > 1e-300,
-             PH_EINVAL,
-             "range of the %s axis from %g to %g: two finite numbers, the less "
-             "first",
-             axis, range[0], range[1]);
-    PH_CHECK(!log || range[0] >= 1e-300, PH_EINVAL,
-             "range of the logarithmic %s axis from %g: must be positive", axis,
-             range[0]);
-out:
-    return st;
-}
-
 static ph_status check_series(const ph_series *s, int k, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -77,8 +58,8 @@ static ph_status check_plot(const ph_plot *p, ph_error *err)
     PH_CHECK(p->nseries >= 0 && p->nseries <= PH_PLOT_SERIES &&
                  (p->nseries == 0 || p->series),
              PH_EINVAL, "%d series: 0 to %d", p->nseries, PH_PLOT_SERIES);
-    PH_TRY(check_range(p->x_range, p->log_x, "x", err));
-    PH_TRY(check_range(p->y_range, p->log_y, "y", err));
+    PH_TRY(ph_i_check_range(p->x_range, p->log_x, "x", err));
+    PH_TRY(ph_i_check_range(p->y_range, p->log_y, "y", err));
     for (int k = 0; k < p->nseries; k++)
         PH_TRY(check_series(&p->series[k], k, err));
 out:

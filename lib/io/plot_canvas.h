@@ -120,6 +120,9 @@ enum { PH_PLOT_WIDTH = 720, PH_PLOT_HEIGHT = 480 };
 
 /** 0 or 200 .. 4000 x 150 .. 4000 units. */
 ph_status ph_i_check_size(int width, int height, ph_error *err);
+/** Both ends equal (automatic), or finite, the less first, positive where logarithmic. */
+ph_status ph_i_check_range(const double range[2], bool log, const char *axis,
+                           ph_error *err);
 
 typedef struct ph_i_drawing {
     int width, height;

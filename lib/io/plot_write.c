@@ -3,6 +3,7 @@
 
 #include "io/plot_canvas.h"
 
+#include <math.h>
 #include <string.h>
 
 ph_status ph_i_check_size(int width, int height, ph_error *err)
@@ -12,6 +13,25 @@ ph_status ph_i_check_size(int width, int height, ph_error *err)
                  (height == 0 || (height >= 150 && height <= 4000)),
              PH_EINVAL, "a plot of %d x %d: width 200 to 4000, height 150 to 4000", width,
              height);
+out:
+    return st;
+}
+
+ph_status ph_i_check_range(const double range[2], bool log, const char *axis,
+                           ph_error *err)
+{
+    ph_status st = PH_OK;
+    if (range[0] == range[1]) goto out;
+    double size = fmax(fabs(range[0]), fabs(range[1]));
+    PH_CHECK(size <= 1e300 && range[1] - range[0] > 1e-12 * size &&
+                 range[1] - range[0] > 1e-300,
+             PH_EINVAL,
+             "range of the %s axis from %g to %g: two finite numbers, the less "
+             "first",
+             axis, range[0], range[1]);
+    PH_CHECK(!log || range[0] >= 1e-300, PH_EINVAL,
+             "range of the logarithmic %s axis from %g: must be positive", axis,
+             range[0]);
 out:
     return st;
 }

@@ -85,11 +85,16 @@ static void set_point(char *text)
     memmove(at + 1, at + strlen(point), strlen(at + strlen(point)) + 1);
 }
 
+void ph_i_short_number(char *out, size_t size, int digits, double x)
+{
+    snprintf(out, size, "%.*g", digits, x);
+    set_point(out);
+}
+
 void ph_i_append_number(ph_i_growing *g, double x, int digits)
 {
     char piece[64];
-    snprintf(piece, sizeof piece, "%.*g", digits, x);
-    set_point(piece);
+    ph_i_short_number(piece, sizeof piece, digits, x);
     ph_i_append(g, piece, strlen(piece));
 }
 

@@ -39,5 +39,7 @@ int ph_i_utf8_letters(const char *text);
 
 /** Print a number as "%.*f", or "%.*e" where `e`, with a decimal point in any locale. */
 void ph_i_number_text(char *out, size_t size, bool e, int digits, double x);
+/** Print a number with at most `digits` significant digits ("%.*g"). */
+void ph_i_short_number(char *out, size_t size, int digits, double x);
 
 #endif

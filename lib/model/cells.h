@@ -53,8 +53,9 @@ void ph_i_cells_strain(const ph_cells *cells, const double *u, const double *mac
  *  along each direction, then bilinear across each direction (three axes only).
  *  @param[in] cell [count] increasing
  *  @param[out] strain [ph_i_cells_records][count][ns] Mandel */
-void ph_i_cells_records_strain(const ph_cells *cells, const double *u, const double *macro,
-                               ptrdiff_t count, const ptrdiff_t *cell, double *strain);
+void ph_i_cells_records_strain(const ph_cells *cells, const double *u,
+                               const double *macro, ptrdiff_t count,
+                               const ptrdiff_t *cell, double *strain);
 /** Number of modes with an energy, and the weight of each, 1, c1 or c2. weight [7] */
 int ph_i_cells_records(const ph_cells *cells, double *weight);
 

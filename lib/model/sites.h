@@ -9,9 +9,9 @@
 #include "model/operator.h"
 
 typedef struct ph_sites {
-    ph_operator *op; /* borrowed */
-    ptrdiff_t count; /* cells */
-    int records;     /* strains of a cell at the most */
+    ph_operator *op;       /* borrowed */
+    ptrdiff_t count;       /* cells */
+    int records;           /* strains of a cell at the most */
     const ptrdiff_t *cell; /* [count] increasing; borrowed */
     double *weight;        /* [records][count], 0 where a cell has no such point */
     ptrdiff_t *point;      /* bond lists: [count] first point of the cell, -1: none */

@@ -18,11 +18,19 @@ typedef enum ph_symmetry {
     PH_SYMMETRY_ANISOTROPIC
 } ph_symmetry;
 
+/** What a card says of a viscoelastic material. */
+typedef enum ph_card_state {
+    PH_CARD_RELAXATION,    /* the whole series; elastic materials: their tensor */
+    PH_CARD_INSTANTANEOUS, /* the elastic tensor at t = 0 */
+    PH_CARD_EQUILIBRIUM    /* the elastic tensor after infinite time */
+} ph_card_state;
+
 /** How to write a card. Zeroed: all defaults. */
 typedef struct ph_card_params {
     const char *name; /* of the material in the card; NULL: "perihom" */
     int id;           /* for codes that number materials; 0: 1 */
     ph_symmetry symmetry;
+    ph_card_state state;
     double tolerance; /* relative distance |C - C_class| / |C| that counts as none;
                        * 0: 1e-5, what a solve to 1e-6 leaves */
     bool nearest;     /* write the nearest tensor that the format or `symmetry` can hold,
@@ -42,7 +50,10 @@ PH_API double ph_symmetry_project(const ph_sym4 *c, ph_symmetry symmetry, ph_sym
  *
  *  @param[in]  effective n = 6: a 3D tensor; plane strain and plane stress results have no
  *              out-of-plane constants, only format "json" takes them
- *  @param[out] distance of the tensor written from the effective one, or NULL
+ *  A relaxation series is one isotropic series of shear and bulk in the codes that have
+ *  any (Abaqus, Ansys, LS-DYNA); only "json" holds one of full tensors.
+ *  @param[out] distance of the tensor written from the effective one, or NULL; of a series:
+ *              the largest distance of a term over |C(0+)|
  *  @return PH_OK; PH_EINVAL (unknown format, 2D tensor, a name the code would not read);
  *          PH_EUNPHYSICAL where the format cannot hold the material and `nearest` is not
  *          set: the message has the distance of the nearest one; PH_ENOMEM.

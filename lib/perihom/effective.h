@@ -5,6 +5,7 @@
 
 #include <perihom/case.h>
 #include <perihom/homogenise.h>
+#include <perihom/prony.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,8 +17,9 @@ typedef struct ph_effective {
     char unit_length[32], unit_stress[32], unit_time[32]; /* "" where not known */
     char revision[64]; /* of the program that made it */
     ph_kinematics kinematics;
-    ph_sym4 stiffness; /* n = 6, or 3 in plane strain and plane stress */
-    double density;    /* of the mixture; NaN unless every phase has one */
+    ph_sym4 stiffness; /* n = 6, or 3 in plane strain and plane stress; instantaneous */
+    ph_prony *relaxation; /* viscoelastic: C(t), whose C(0+) is `stiffness`; else NULL */
+    double density;       /* of the mixture; NaN unless every phase has one */
 } ph_effective;
 
 PH_API void ph_effective_free(ph_effective **effective);

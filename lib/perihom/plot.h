@@ -10,7 +10,10 @@
 extern "C" {
 #endif
 
-enum { PH_PLOT_SERIES = 256 }; /* most series of a plot */
+enum {
+    PH_PLOT_SERIES = 256,  /* most series of a plot */
+    PH_HEATMAP_CELLS = 512 /* most rows and columns of a heat map */
+};
 
 typedef enum ph_series_style {
     PH_PLOT_LINE,        /* through the points in their order; NaN is a gap */
@@ -48,7 +51,7 @@ typedef struct ph_plot {
 typedef struct ph_heatmap {
     const char *title, *subtitle, *xlabel, *ylabel;
     const char *value_label;   /* beside the colour bar */
-    int nx, ny;                /* 1 .. 512 columns and rows */
+    int nx, ny;                /* 1 .. PH_HEATMAP_CELLS columns and rows */
     const double *value;       /* [ny][nx], first row on top; NaN is grey */
     const char *const *xnames; /* [nx] of the columns, or NULL: 1, 2, ... */
     const char *const *ynames; /* [ny] of the rows, or NULL */
@@ -69,14 +72,16 @@ typedef struct ph_heatmap {
  *    column of half a unit, marks to one a unit in x and y: the picture looks the same, and 1e6 ordered points make a file of some 100 kB.
  *  - The legend goes to a corner that is free, or to the right of the axes.
  *  @param[out] text  untouched on failure
- *  @return PH_OK; PH_EINVAL (sizes, ranges, missing arrays); PH_ENOMEM. Cost: O(points). */
+ *  @return PH_OK; PH_EINVAL (sizes, ranges, missing arrays); PH_ENOMEM. Cost: O(points).
+ *  Tested: tests/io/test_plot.c */
 PH_API ph_status ph_plot_svg(const ph_plot *plot, char **text, ph_error *err);
 /** To a file, SVG or PNG by the ending of its name (.svg, .png).
  *  @return PH_OK; PH_EINVAL (also another ending); PH_EIO; PH_ENOMEM */
 PH_API ph_status ph_plot_write(const char *path, const ph_plot *plot, ph_error *err);
 
 /** The same for a heat map. Colours run from dark to bright with even steps in lightness;
- *  a linear range with both signs gets blue and red, white at zero. */
+ *  a linear range with both signs gets blue and red, white at zero.
+ *  Tested: tests/io/test_plot.c */
 PH_API ph_status ph_heatmap_svg(const ph_heatmap *map, char **text, ph_error *err);
 PH_API ph_status ph_heatmap_write(const char *path, const ph_heatmap *map, ph_error *err);
 

@@ -12,9 +12,9 @@ extern "C" {
 
 /** How the effective relaxation is computed. Zeroed: all defaults. */
 typedef struct ph_relaxation_params {
-    const char *route;   /* in ph_relaxation_routes[]; NULL: "reduced" */
-    double tolerance;    /* relative error of the effective tensor; 0: 1e-4 */
-    int max_points;      /* of the Carson variable that `reduced` may solve; 0: 40 */
+    const char *route;    /* in ph_relaxation_routes[]; NULL: "reduced" */
+    double tolerance;     /* relative error of the effective tensor; 0: 1e-4 */
+    int max_points;       /* of the Carson variable that `reduced` may solve; 0: 40 */
     const double *carson; /* [ncarson] 1/time, >= 0, INFINITY: instantaneous; `carson`
                            * solves each of them, `reduced` evaluates its model there */
     int ncarson;
@@ -41,8 +41,8 @@ typedef struct ph_viscoelastic {
      * t = 0 is `instantaneous`. */
     ph_prony *series;
     ph_sym4 instantaneous, equilibrium; /* n = 3 or 6, Mandel */
-    int lost;     /* directions of macro strain that carry no stress at equilibrium */
-    double error; /* estimated relative error of C*(s), any s > 0: the largest
+    int lost;        /* directions of macro strain that carry no stress at equilibrium */
+    double error;    /* estimated relative error of C*(s), any s > 0: the largest
                    * x.(C_model - C).x / x.C_model.x */
     double error_at; /* where it was largest */
 
@@ -51,11 +51,11 @@ typedef struct ph_viscoelastic {
     int nvalues;
     ph_carson_value *values; /* [nvalues] at params->carson */
 
-    int basis;                   /* fields */
-    size_t basis_bytes;          /* of the fields and what is kept with them */
-    long iterations;             /* of the solver, all loads and points */
-    long applications;           /* of the operator, everything counted */
-    int functions;               /* distinct moduli of s that the phases have */
+    int basis;          /* fields */
+    size_t basis_bytes; /* of the fields and what is kept with them */
+    long iterations;    /* of the solver, all loads and points */
+    long applications;  /* of the operator, everything counted */
+    int functions;      /* distinct moduli of s that the phases have */
     double seconds;
     ph_result *elastic; /* the instantaneous problem, and every note */
 } ph_viscoelastic;

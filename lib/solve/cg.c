@@ -38,7 +38,8 @@ static bool bound_energy(energy_bound *b, double rz, ph_cg_report *rep)
     if (!(rep->least > 0.0)) return false;
     if (rep->iterations) {
         double rest = b->radau - b->alpha;
-        b->radau = rest > 0.0 ? rest / (rep->least * rest + rz / b->rz) : 1.0 / rep->least;
+        b->radau =
+            rest > 0.0 ? rest / (rep->least * rest + rz / b->rz) : 1.0 / rep->least;
     } else
         b->radau = 1.0 / rep->least;
     b->rz = rz;

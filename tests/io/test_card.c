@@ -173,6 +173,55 @@ static void classes(void **state)
     CHECK_END();
 }
 
+/* An isotropic series in the words of the codes that have one; one of full tensors only as
+ * JSON; elsewhere its states. */
+static void series(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_prony_term term[2] = {{2.0, ph_sym4_isotropic_kg(1, 0.4)},
+                             {30.0, ph_sym4_isotropic_kg(0.5, 0.6)}};
+    ph_sym4 infinity = ph_sym4_isotropic_kg(2.5, 0.25);
+    ph_effective e = {.density = NAN};
+    CHECK_OK(ph_prony_new(&infinity, 2, term, &e.relaxation, &err));
+    e.stiffness = ph_prony_instantaneous(e.relaxation);
+    const struct {
+        const char *format, *mark;
+        double want[6];
+    } row[] = {
+        {"abaqus", "TIME=PRONY\n", {0.4 / 1.25, 1.0 / 4, 2, 0.6 / 1.25, 0.5 / 4, 30}},
+        {"ansys", "SHEAR\nTBDATA,1,", {0.4 / 1.25, 2, 0.6 / 1.25, 30}},
+        {"ansys", "BULK\nTBDATA,1,", {1.0 / 4, 2, 0.5 / 4, 30}},
+        {"ls_dyna", "betaki\n", {0.25, 0, 2.5, 0, 0.4, 0.5}},
+    };
+    for (int i = 0; i < 4; i++) {
+        char *text = NULL;
+        double v[6];
+        int n = row[i].want[4] > 0 ? 6 : 4;
+        CHECK_OK(ph_card_write(&e, row[i].format, NULL, &text, NULL, &err));
+        CHECK(text && numbers_after(text, row[i].mark, n, v) == n);
+        for (int k = 0; k < n; k++)
+            CHECK_ABS(v[k], row[i].want[k], 5e-11);
+        free(text);
+    }
+    char *text = NULL;
+    double v[2] = {0};
+    ph_card_params old = {.state = PH_CARD_EQUILIBRIUM};
+    CHECK_OK(ph_card_write(&e, "calculix", &old, &text, NULL, &err));
+    CHECK(text && numbers_after(text, "TYPE=ISO\n", 2, v) == 2);
+    CHECK_REL(v[0], 9 * 2.5 * 0.25 / (3 * 2.5 + 0.25), 5e-11);
+    free(text);
+    text = NULL;
+    CHECK(ph_card_write(&e, "calculix", NULL, &text, NULL, NULL) == PH_EUNPHYSICAL);
+    e.relaxation->term[0].stiffness.m[0][0] *= 2; /* no longer isotropic */
+    CHECK(ph_card_write(&e, "abaqus", NULL, &text, NULL, NULL) == PH_EUNPHYSICAL &&
+          !text);
+    CHECK_OK(ph_card_write(&e, "json", NULL, &text, NULL, &err));
+    free(text);
+    ph_prony_free(&e.relaxation);
+    CHECK_END();
+}
+
 static void refuses(void **state)
 {
     (void)state;
@@ -247,8 +296,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(projections),       cmocka_unit_test(isotropic_is_isotropic),
         cmocka_unit_test(tensors_come_back), cmocka_unit_test(fields_of_ten),
-        cmocka_unit_test(classes),           cmocka_unit_test(refuses),
-        cmocka_unit_test(every_format),
+        cmocka_unit_test(classes),           cmocka_unit_test(series),
+        cmocka_unit_test(refuses),           cmocka_unit_test(every_format),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

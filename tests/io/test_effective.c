@@ -32,6 +32,47 @@ static void from_a_document(void **state)
     CHECK_END();
 }
 
+/* The relaxation series of a viscoelastic result; the stiffness is then its sum. */
+static void relaxation(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    static const char more[] =
+        "\"viscoelastic\": {\"stiffness_infinity\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],"
+        " \"terms\": [{\"time\": 5, \"stiffness\": [[2, 1, 0], [1, 2, 0], [0, 0, "
+        "3]]}]}, ";
+    const char *at = strstr(good, "\"stiffness\"");
+    const struct {
+        const char *from, *to;
+    } wrong[] = {
+        {"\"time\": 5", "\"time\": -5"}, {"\"time\": 5", "\"time\": null"},
+        {"[2, 1, 0]", "[2, 9, 0]"},      {"[0, 0, 3]", "[0, 0]"},
+        {"\"terms\"", "\"teams\""},      {"stiffness_infinity", "stiffness_zero"}};
+    for (int i = -1; i < 6; i++) {
+        char text[2048], block[512];
+        ph_effective *e = NULL;
+        snprintf(block, sizeof block, "%s", more);
+        if (i >= 0) {
+            const char *p = strstr(more, wrong[i].from);
+            snprintf(block, sizeof block, "%.*s%s%s", (int)(p - more), more, wrong[i].to,
+                     p + strlen(wrong[i].from));
+        }
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, block, at);
+        ph_status st =
+            ph_effective_parse(text, strlen(text), "r.json", &e, i < 0 ? &err : NULL);
+        if (i >= 0) {
+            CHECK(st != PH_OK && e == NULL);
+            continue;
+        }
+        CHECK_OK(st);
+        CHECK(e && e->relaxation && e->relaxation->nterms == 1);
+        if (e) CHECK_REL(e->stiffness.m[2][2], 2 * (1 + 3), 1e-15); /* Mandel */
+        if (e) CHECK_REL(e->stiffness.m[0][0], 1 + 2, 1e-15);
+        ph_effective_free(&e);
+    }
+    CHECK_END();
+}
+
 /* A result that was solved and the document of it say the same. */
 static void from_a_result(void **state)
 {
@@ -120,6 +161,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(from_a_document),
         cmocka_unit_test(from_a_result),
+        cmocka_unit_test(relaxation),
         cmocka_unit_test(refuses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

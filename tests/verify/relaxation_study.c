@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The error estimate of route `reduced` against full solves at random s, by hand:
  * ninja tests/relaxation_study && build/tests/relaxation_study [trials] [seed] */
-#include "check.h"
-#include "relaxing.h"
-
 #include <perihom.h>
 
+#include "check.h"
 #include "effective/visco.h"
+#include "relaxing.h"
 
-static ph_microstructure *cell(uint64_t *seed, ph_kinematics kin, ptrdiff_t n, int kinds[3],
-                               double contrast, double decades, int blocks)
+static ph_microstructure *cell(uint64_t *seed, ph_kinematics kin, ptrdiff_t n,
+                               int kinds[3], double contrast, double decades, int blocks)
 {
     ph_error err = PH_ERROR_INIT;
     ph_grid grid;
@@ -36,8 +35,11 @@ static ph_microstructure *cell(uint64_t *seed, ph_kinematics kin, ptrdiff_t n, i
     for (ptrdiff_t x = 0; x < cells; x += 3) {
         ph_cut *c = &micro->cuts[micro->ncuts++];
         double phi = check_uniform(seed, 0, 6.28);
-        *c = (ph_cut){x, micro->phase[x], (int)(3 * check_random(seed)),
-                      check_uniform(seed, 0.1, 0.9), {cos(phi), sin(phi), 0}};
+        *c = (ph_cut){x,
+                      micro->phase[x],
+                      (int)(3 * check_random(seed)),
+                      check_uniform(seed, 0.1, 0.9),
+                      {cos(phi), sin(phi), 0}};
     }
     for (int p = 0; p < 3; p++)
         ph_material_clear(&m[p]);
@@ -64,12 +66,12 @@ int main(int argc, char **argv)
         if (check_random(&seed) < 0.3) problem.model.points = PH_POINTS_NODES;
         if (strcmp(problem.model.kind, "local") == 0)
             problem.model.points = PH_POINTS_AUTO;
-        problem.interface = check_random(&seed) < 0.7 ? PH_INTERFACE_COMPOSITE
-                                                      : PH_INTERFACE_NODE_CENTRE;
-        problem.model.stabilisation =
-            strcmp(problem.model.kind, "local") == 0 ? PH_STABILISE_AUTO
-            : check_random(&seed) < 0.5              ? PH_STABILISE_SUBPOINT
-                                                     : PH_STABILISE_AUTO;
+        problem.interface =
+            check_random(&seed) < 0.7 ? PH_INTERFACE_COMPOSITE : PH_INTERFACE_NODE_CENTRE;
+        problem.model.stabilisation = strcmp(problem.model.kind, "local") == 0
+                                          ? PH_STABILISE_AUTO
+                                      : check_random(&seed) < 0.5 ? PH_STABILISE_SUBPOINT
+                                                                  : PH_STABILISE_AUTO;
         static const char *constraint[] = {"periodic", "linear_displacement",
                                            "uniform_traction"};
         double dice = check_random(&seed);
@@ -120,12 +122,14 @@ int main(int argc, char **argv)
             ph_i_visco_relative(&d, &mine, &low, &high);
             worst = fmax(worst, fmax(fabs(low), fabs(high)));
             if (getenv("SAY"))
-                printf("   s %g: visit %.2e left %.2e added %d, model - full %.2e .. %.2e\n", s, error,
-                       left, added, low, high);
+                printf(
+                    "   s %g: visit %.2e left %.2e added %d, model - full %.2e .. %.2e\n",
+                    s, error, left, added, low, high);
         }
         total++;
         bad += worst > v->error;
-        printf("%3d kin %d %-5s %s %-19s %s kinds %d%d%d contrast %-8.2g decades %.1f tol %.1e "
+        printf("%3d kin %d %-5s %s %-19s %s kinds %d%d%d contrast %-8.2g decades %.1f "
+               "tol %.1e "
                "est %.1e true %.1e %s points %d basis %d its %ld app %ld terms %d q %d\n",
                t, kin, problem.model.kind,
                problem.model.points == PH_POINTS_NODES ? "nodes " : "stress",

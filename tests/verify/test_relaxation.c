@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Effective relaxation where it is known: homogeneous cells, laminates, phases of one
  * relaxation, both ends of time, sum rules, and the table of a disk in a square cell. */
+#include <perihom.h>
+
 #include "check.h"
 #include "relaxing.h"
-
-#include <perihom.h>
 
 static const ph_kinematics every[] = {PH_SPACE, PH_GENERALISED_STRAIN, PH_PLANE_STRAIN,
                                       PH_PLANE_STRESS};
 /* Carson variables over the times of the phases and beyond. */
-static const double some_s[] = {0.0, 1e-6, 1e-3, 0.03, 0.4, 1.0, 7.0, 300.0, 1e5, INFINITY};
+static const double some_s[] = {0.0, 1e-6, 1e-3,  0.03, 0.4,
+                                1.0, 7.0,  300.0, 1e5,  INFINITY};
 enum { SOME = sizeof some_s / sizeof *some_s };
 
 static ph_viscoelastic *relax(const ph_problem *p, double tolerance)
@@ -236,9 +237,9 @@ static void disk_in_a_square_cell(void **state)
 {
     (void)state;
     static const double want[][4] = {
-        {0, 21.99502, 6.51437, 7.72592},   {0.5, 18.18698, 5.41567, 6.24809},
-        {1, 15.51774, 4.60876, 5.16757},   {2, 12.20066, 3.55087, 3.78482},
-        {5, 8.54113, 2.32204, 2.35313},    {10, 7.33893, 1.96094, 2.04633},
+        {0, 21.99502, 6.51437, 7.72592},      {0.5, 18.18698, 5.41567, 6.24809},
+        {1, 15.51774, 4.60876, 5.16757},      {2, 12.20066, 3.55087, 3.78482},
+        {5, 8.54113, 2.32204, 2.35313},       {10, 7.33893, 1.96094, 2.04633},
         {INFINITY, 7.12298, 1.92547, 2.02318}};
     ph_material a = relaxing("matrix", 3, 17, 1.0, 0.38), b = isotropic("disk", 20, 0.21);
     ph_microstructure *micro = round_cell(PH_PLANE_STRESS, 64, 0.5, a, b);

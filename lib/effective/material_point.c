@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <perihom/material_point.h>
+
+#include "core/check.h"
+
+#include <math.h>
+#include <string.h>
+
+struct ph_point_material {
+    int n, terms;
+    double elastic[36]; /* C_inf, Voigt: stress of engineering strain */
+    double *time;       /* [terms] */
+    double *c;          /* [terms][n * n] C_m, Voigt */
+};
+
+void ph_point_material_free(ph_point_material **material)
+{
+    if (!material || !*material) return;
+    free((*material)->time);
+    free((*material)->c);
+    free(*material);
+    *material = NULL;
+}
+
+ph_status ph_point_material_new(const ph_effective *effective, ph_point_material **out,
+                                ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_point_material *m = NULL;
+    PH_CHECK(effective && out, PH_EINVAL, "no effective material");
+    *out = NULL;
+    const ph_prony *p = effective->relaxation;
+    int n = effective->stiffness.n;
+    PH_CHECK(n == 3 || n == 6, PH_EINVAL, "the stiffness has n = %d, not 3 or 6", n);
+    if (p)
+        PH_TRY(ph_prony_validate(p, err));
+    else
+        PH_CHECK(ph_sym4_is_stiffness(&effective->stiffness), PH_EINVAL,
+                 "the stiffness is not symmetric positive definite");
+    PH_CHECK(!p || p->equilibrium.n == n, PH_EINVAL,
+             "the relaxation has n = %d, the stiffness n = %d", p->equilibrium.n, n);
+    PH_ALLOC(m, 1, "a material point");
+    m->n = n;
+    m->terms = p ? p->nterms : 0;
+    PH_ALLOC(m->time, m->terms, "relaxation times");
+    PH_ALLOC(m->c, m->terms * n * n, "relaxation tensors");
+    ph_sym4_to_voigt(p ? &p->equilibrium : &effective->stiffness, true, m->elastic);
+    for (int k = 0; k < m->terms; k++) {
+        m->time[k] = p->term[k].time;
+        ph_sym4_to_voigt(&p->term[k].stiffness, true, m->c + (ptrdiff_t)k * n * n);
+    }
+    *out = m;
+    m = NULL;
+out:
+    ph_point_material_free(&m);
+    return st;
+}
+
+int ph_point_components(const ph_point_material *material)
+{
+    return material->n;
+}
+
+size_t ph_point_state_size(const ph_point_material *material)
+{
+    return (size_t)material->n * (size_t)(1 + material->terms);
+}
+
+/* (1 - exp(-x)) / x, and exp(-x) */
+static double mean_decay(double x, double *decay)
+{
+    *decay = exp(-x);
+    return x > 0.0 ? -expm1(-x) / x : 1.0;
+}
+
+/* h = decay h + g C deps; adds h to the stress. */
+static void relax(int n, const double *c, double decay, double g, const double *de,
+                  double *h, double *stress)
+{
+    for (int i = 0; i < n; i++) {
+        double s = 0.0;
+        for (int j = 0; j < n; j++)
+            s += c[i * n + j] * de[j];
+        h[i] = decay * h[i] + g * s;
+        stress[i] += h[i];
+    }
+}
+
+ph_status ph_point_update(const ph_point_material *m, double *state,
+                          const double *dstrain, double dt, double *stress,
+                          double *tangent)
+{
+    int n = m->n;
+    bool good = dt >= 0.0 && isfinite(dt);
+    for (int i = 0; i < n; i++)
+        good = good && isfinite(dstrain[i]);
+    if (!good) return PH_EINVAL;
+    double sum[6] = {0}, de[6];
+    memcpy(de, dstrain, sizeof(double) * (size_t)n); /* `stress` may be `dstrain` */
+    relax(n, m->elastic, 1.0, 1.0, de, state, sum);
+    if (tangent) memcpy(tangent, m->elastic, sizeof(double) * (size_t)(n * n));
+    for (int k = 0; k < m->terms; k++) {
+        const double *c = m->c + (ptrdiff_t)k * n * n;
+        double decay, g = mean_decay(dt / m->time[k], &decay);
+        relax(n, c, decay, g, de, state + (ptrdiff_t)(1 + k) * n, sum);
+        for (int i = 0; tangent && i < n * n; i++)
+            tangent[i] += g * c[i];
+    }
+    memcpy(stress, sum, sizeof(double) * (size_t)n);
+    return PH_OK;
+}

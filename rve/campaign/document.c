@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* campaign.json: nothing in it depends on who computed what when. */
+#include "campaign/campaign.h"
+#include "io/json.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The value of a swept key as JSON: number, true, false, null or its YAML text. */
+static json_t *value_to_json(const ph_campaign_point *p, int k)
+{
+    if (isfinite(p->number[k])) return json_real(p->number[k]);
+    json_t *parsed = json_loads(p->value[k], JSON_DECODE_ANY, NULL);
+    return parsed ? parsed : ph_i_json_text(p->value[k]);
+}
+
+static ph_status put_statistic(json_t *map, const char *what, const ph_campaign *c,
+                               const ph_campaign_summary *s,
+                               double (*take)(const ph_interval *), ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *list = json_object();
+    PH_TRY(ph_i_json_put(map, what, list, err));
+    for (int k = 0; k < c->noutputs; k++)
+        PH_TRY(ph_i_json_put(list, c->output[k].name,
+                             ph_i_json_number(take(&s->output[k].mean)), err));
+out:
+    return st;
+}
+
+static double mean(const ph_interval *i)
+{
+    return i->mean;
+}
+
+static double deviation(const ph_interval *i)
+{
+    return i->deviation;
+}
+
+static double standard_error(const ph_interval *i)
+{
+    return i->standard_error;
+}
+
+static double half_width(const ph_interval *i)
+{
+    return i->half_width;
+}
+
+static ph_status put_point(json_t *list, const ph_campaign *c, int p,
+                           const ph_campaign_summary *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *map = json_object(), *parameters = json_object();
+    PH_TRY(ph_i_json_add(list, map, err));
+    PH_TRY(ph_i_json_put(map, "parameters", parameters, err));
+    for (int k = 0; k < c->nkeys; k++)
+        PH_TRY(ph_i_json_put(parameters, c->key[k], value_to_json(&c->point[p], k), err));
+    PH_TRY(ph_i_json_put(map, "realisations", json_integer(s->output[0].n), err));
+    PH_TRY(ph_i_json_put(map, "failed", json_integer(s->failed), err));
+    PH_TRY(ph_i_json_put(map, "complete", json_boolean(s->complete), err));
+    PH_TRY(ph_i_json_put(map, "reached", json_boolean(s->reached), err));
+    PH_TRY(put_statistic(map, "mean", c, s, mean, err));
+    PH_TRY(put_statistic(map, "std", c, s, deviation, err));
+    PH_TRY(put_statistic(map, "standard_error", c, s, standard_error, err));
+    PH_TRY(put_statistic(map, "half_width", c, s, half_width, err));
+out:
+    return st;
+}
+
+static ph_status put_rule(json_t *root, const ph_campaign *c, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_stopping *s = &c->stopping;
+    json_t *map = json_object();
+    PH_TRY(ph_i_json_put(root, "stopping", map, err));
+    PH_TRY(ph_i_json_put(map, "at_most", json_integer(s->at_most), err));
+    PH_TRY(ph_i_json_put(map, "confidence", json_real(s->confidence), err));
+    if (c->judged < 0) goto out;
+    PH_TRY(ph_i_json_put(map, "at_least", json_integer(s->at_least), err));
+    PH_TRY(
+        ph_i_json_put(map, "quantity", ph_i_json_text(c->output[c->judged].name), err));
+    if (s->half_width > 0.0)
+        PH_TRY(ph_i_json_put(map, "half_width", json_real(s->half_width), err));
+    else
+        PH_TRY(ph_i_json_put(map, "relative_half_width",
+                             json_real(s->relative_half_width), err));
+out:
+    return st;
+}
+
+static ph_status put_head(json_t *root, const ph_campaign *c, const ph_campaign_result *r,
+                          ph_error *err)
+{
+    ph_status st = PH_OK;
+    char hash[32];
+    const ph_case *first = c->point[0].c;
+    json_t *units = json_object(), *outputs = json_array(), *base = NULL;
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)c->hash);
+    PH_TRY(ph_i_json_put(root, "schema", json_string("perihom.campaign/1"), err));
+    PH_TRY(ph_i_json_put(root, "title",
+                         ph_i_json_text(c->title[0] ? c->title : first->title), err));
+    PH_TRY(ph_i_json_put(root, "campaign", json_string(hash), err));
+    PH_TRY(ph_i_json_put(root, "units", units, err));
+    PH_TRY(ph_i_json_put(units, "length", ph_i_json_text(first->unit_length), err));
+    PH_TRY(ph_i_json_put(units, "stress", ph_i_json_text(first->unit_stress), err));
+    PH_TRY(ph_i_json_put(units, "time", ph_i_json_text(first->unit_time), err));
+    PH_TRY(ph_i_json_put(root, "outputs", outputs, err));
+    for (int k = 0; k < c->noutputs; k++)
+        PH_TRY(ph_i_json_add(outputs, ph_i_json_text(c->output[k].name), err));
+    PH_TRY(put_rule(root, c, err));
+    PH_TRY(ph_i_json_put(root, "common_random_numbers",
+                         json_boolean(c->common_random_numbers), err));
+    PH_TRY(ph_i_json_put(root, "complete", json_boolean(r->complete), err));
+    PH_TRY(ph_i_json_put(root, "realisations", json_integer(r->realisations), err));
+    PH_TRY(ph_i_json_put(root, "failed", json_integer(r->failed), err));
+    PH_TRY(ph_i_case_json(first, &base, err));
+    PH_TRY(ph_i_json_put(root, "case", base, err));
+out:
+    return st;
+}
+
+ph_status ph_campaign_to_json(const ph_campaign *c, const ph_campaign_result *r,
+                              char **json, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *root = json_object(), *points = NULL;
+    PH_CHECK(c && r && json, PH_EINVAL, "NULL campaign, result or text");
+    PH_CHECK(root, PH_ENOMEM, "no memory for a document");
+    PH_TRY(put_head(root, c, r, err));
+    points = json_array();
+    PH_TRY(ph_i_json_put(root, "points", points, err));
+    for (int p = 0; p < c->npoints; p++)
+        PH_TRY(put_point(points, c, p, &r->point[p], err));
+    PH_TRY(ph_i_json_dump(root, json, err));
+out:
+    json_decref(root);
+    return st;
+}
+
+ph_status ph_campaign_write(const ph_campaign *c, const char *folder,
+                            const ph_campaign_result *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    char path[1200];
+    char *json = NULL;
+    PH_CHECK(c && folder && r, PH_EINVAL, "NULL campaign, folder or result");
+    PH_TRY(ph_campaign_to_json(c, r, &json, err));
+    snprintf(path, sizeof path, "%s/campaign.json", folder);
+    PH_TRY(ph_write_file(path, json, strlen(json), err));
+out:
+    free(json);
+    return st;
+}

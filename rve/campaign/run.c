@@ -1,0 +1,368 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A campaign from what is on disk to what is asked for. */
+#include "campaign/campaign.h"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+typedef struct engine {
+    const ph_campaign *c;
+    const ph_campaign_params *params;
+    ph_i_store store;
+    ph_i_tally tally;
+    ph_i_pool pool;
+    ph_campaign_progress now;
+    int costs;       /* file of what realisations cost, or -1 */
+    size_t nknown;   /* entries that were there before, sorted */
+    int64_t *issued; /* [npoints] realisations below this are there, or with a worker */
+    int *ready;      /* ring of points that may have something to issue */
+    int first_ready, nready;
+    bool *is_ready;
+    ph_i_task again[256]; /* tasks of dead workers */
+    int nagain;
+    int64_t outstanding, computed;
+    double started, synced, shown,
+        spent; /* spent: seconds of all realisations together */
+    char event[256];
+} engine;
+
+static double seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ---- in the worker */
+
+static ph_status work(void *user, const ph_i_task *task, ph_i_record *out)
+{
+    const engine *e = user;
+    const ph_campaign *c = e->c;
+    ph_error err = PH_ERROR_INIT;
+    ph_evaluation v = {0};
+    const ph_scenario s = {.c = c->point[task->point].c,
+                           .realisation =
+                               ph_campaign_realisation(c, task->point, task->i),
+                           .noutputs = c->noutputs,
+                           .output = c->output};
+    const ph_ctx ctx = {.threads = e->now.threads};
+#ifdef _OPENMP
+    omp_set_num_threads(e->now.threads);
+#endif
+    ph_status st = e->params->evaluate ? e->params->evaluate(e->params->evaluate_user, &s,
+                                                             task->point, &v, &err)
+                                       : ph_scenario_evaluate(&s, &ctx, &v, &err);
+    memcpy(out->value, v.value, sizeof *v.value * (size_t)c->noutputs);
+    out->iterations = v.iterations;
+    out->seconds = v.seconds;
+    out->bytes = v.peak_bytes;
+    for (int k = 0; st == PH_OK && k < c->noutputs; k++)
+        if (!isfinite(v.value[k]))
+            st = PH_FAIL(&err, PH_ESINGULAR, "%s is not finite", c->output[k].name);
+    if (st != PH_OK)
+        snprintf(out->message, sizeof out->message, "%s",
+                 err.msg[0] ? err.msg : ph_status_text(st));
+    return st;
+}
+
+/* ---- which realisation is next */
+
+static bool is_mine(const engine *e, int point, int64_t i)
+{
+    int n = e->params->shards, k = e->params->shard - 1;
+    if (n <= 1) return true;
+    return e->c->judged >= 0 ? point % n == k : (i * e->c->npoints + point) % n == k;
+}
+
+static bool is_known(const engine *e, int point, int64_t i)
+{
+    size_t lo = 0, hi = e->nknown;
+    while (lo < hi) {
+        size_t mid = (lo + hi) / 2;
+        const ph_i_entry *x = &e->store.entry[mid];
+        if (x->point < point || (x->point == point && x->i < i))
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    const ph_i_entry *x = &e->store.entry[lo];
+    return lo < e->nknown && x->point == point && x->i == i &&
+           !(x->failed && e->params->retry_failed);
+}
+
+static void make_ready(engine *e, int point)
+{
+    if (e->is_ready[point]) return;
+    e->is_ready[point] = true;
+    e->ready[(e->first_ready + e->nready++) % e->c->npoints] = point;
+}
+
+/* The next realisation to compute, or false: nothing is certain now. */
+static bool next_task(engine *e, ph_i_task *task)
+{
+    if (e->nagain > 0) {
+        *task = e->again[--e->nagain];
+        return true;
+    }
+    while (e->nready > 0) {
+        int p = e->ready[e->first_ready];
+        int64_t wanted = ph_i_tally_wanted(&e->tally, p);
+        while (e->issued[p] < wanted) {
+            int64_t i = e->issued[p]++;
+            if (!is_mine(e, p, i) || is_known(e, p, i)) continue;
+            *task = (ph_i_task){.point = p, .i = i};
+            return true;
+        }
+        e->is_ready[p] = false;
+        e->first_ready = (e->first_ready + 1) % e->c->npoints;
+        e->nready--;
+    }
+    return false;
+}
+
+/* Enough in the queue of a worker to bridge a sync. */
+static int queue_depth(const engine *e)
+{
+    if (e->computed == 0) return 2;
+    double each = e->spent / (double)e->computed,
+           depth = 2.0 + 2.0 * fmax(e->store.sync_seconds, 1e-3) / fmax(each, 1e-6);
+    return depth < PH_I_QUEUE ? (int)depth : PH_I_QUEUE;
+}
+
+static void issue(engine *e)
+{
+    int depth = queue_depth(e);
+    ph_i_task task;
+    /* one each in turn, so that the last ones are spread over all workers */
+    for (int level = 1; level <= depth; level++)
+        for (int w = 0; w < e->pool.n; w++) {
+            if (e->pool.worker[w].pid == 0 || e->pool.worker[w].count >= level) continue;
+            if (!next_task(e, &task)) return;
+            if (!ph_i_pool_send(&e->pool, w, &task)) {
+                /* it is dying; ph_i_pool_wait will say so */
+                e->again[e->nagain++] = task;
+                return;
+            }
+            e->outstanding++;
+        }
+}
+
+/* ---- results */
+
+static ph_status take(engine *e, const ph_i_record *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int64_t before = ph_i_tally_wanted(&e->tally, r->point);
+    PH_TRY(ph_i_store_add(&e->store, r, err));
+    PH_TRY(ph_i_tally_add(&e->tally, r, err));
+    if (ph_i_tally_wanted(&e->tally, r->point) > before) make_ready(e, r->point);
+    e->computed++;
+    e->spent += r->seconds;
+    e->now.point = r->point;
+    e->now.failed += r->status != PH_OK;
+    if (e->costs >= 0) {
+        char line[160];
+        int n = snprintf(line, sizeof line, "%d,%lld,%.6g,%zu\n", r->point,
+                         (long long)r->i, r->seconds, r->bytes);
+        /* of no consequence: what was lost is not missed */
+        if (write(e->costs, line, (size_t)n) < 0) e->costs = -1;
+    }
+out:
+    return st;
+}
+
+/* The one it was working on is tried once more; those behind it never began. */
+static ph_status take_death(engine *e, int w, const char *how, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_i_worker *worker = &e->pool.worker[w];
+    snprintf(e->event, sizeof e->event, "%s", how);
+    e->now.event = e->event;
+    e->outstanding -= worker->count;
+    for (int k = worker->count - 1; k >= 0; k--) {
+        ph_i_task task = worker->queue[(worker->first + k) % PH_I_QUEUE];
+        if (k == 0 && task.attempt > 0) {
+            ph_i_record r = {.point = task.point, .i = task.i, .status = PH_EINTERNAL};
+            snprintf(r.message, sizeof r.message, "twice %s", how);
+            PH_TRY(take(e, &r, err));
+            continue;
+        }
+        task.attempt += k == 0;
+        if (e->nagain < (int)(sizeof e->again / sizeof *e->again))
+            e->again[e->nagain++] = task;
+    }
+    PH_TRY(ph_i_pool_renew(&e->pool, w, err));
+out:
+    return st;
+}
+
+/* ---- progress */
+
+static double time_to_go(const engine *e)
+{
+    double left = 0.0;
+    const ph_stopping *rule = &e->c->stopping;
+    if (e->computed == 0 || e->params->shards > 1) return NAN;
+    for (int p = 0; p < e->c->npoints; p++) {
+        const ph_i_point_tally *t = &e->tally.point[p];
+        const ph_sequence *s = &t->output[e->c->judged >= 0 ? e->c->judged : 0];
+        if (t->done) continue;
+        double n = (double)ph_i_tally_wanted(&e->tally, p);
+        ph_interval i = ph_sequence_interval(s);
+        if (e->c->judged >= 0 && s->n > 1) {
+            double d = rule->half_width > 0 ? rule->half_width
+                                            : rule->relative_half_width * fabs(i.mean);
+            n = fmax(n, (double)s->n * pow(i.half_width / d, 2));
+        }
+        left += fmin(n, (double)rule->at_most) - (double)t->next;
+    }
+    return left * (e->spent / (double)e->computed) / e->pool.n;
+}
+
+static bool report(engine *e)
+{
+    ph_campaign_progress *now = &e->now;
+    const ph_i_point_tally *t = &e->tally.point[now->point];
+    if (!e->params->progress) return true;
+    now->realisations = (int64_t)e->store.count;
+    now->wanted = now->points_done = 0;
+    for (int p = 0; p < e->c->npoints; p++) {
+        now->wanted += ph_i_tally_wanted(&e->tally, p);
+        now->points_done += e->tally.point[p].done;
+    }
+    now->seconds = seconds() - e->started;
+    now->to_go = time_to_go(e);
+    now->mean = ph_sequence_interval(&t->output[e->c->judged >= 0 ? e->c->judged : 0]);
+    bool go_on = e->params->progress(e->params->user, now);
+    now->event = NULL;
+    e->shown = seconds();
+    return go_on;
+}
+
+/* A sync is worth twenty times what it takes. */
+static ph_status sync_if_due(engine *e, bool idle, ph_error *err)
+{
+    double every = fmin(fmax(20.0 * e->store.sync_seconds, 0.05), 2.0);
+    if (!idle && seconds() - e->synced < every) return PH_OK;
+    ph_status st = ph_i_store_sync(&e->store, err);
+    e->synced = seconds();
+    return st;
+}
+
+static ph_status loop(engine *e, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_i_record r;
+    char how[200];
+    int worker;
+    for (;;) {
+        issue(e);
+        if (e->outstanding == 0 && e->nagain == 0) break;
+        int what = ph_i_pool_wait(&e->pool, 0.05, &worker, &r, how, sizeof how);
+        if (what == 1) {
+            e->outstanding--;
+            PH_TRY(take(e, &r, err));
+        } else if (what == 2) {
+            PH_TRY(take_death(e, worker, how, err));
+        }
+        PH_TRY(sync_if_due(e, what == 0, err));
+        if (seconds() - e->shown > 0.1 || e->now.event)
+            PH_CHECK(report(e), PH_ECANCELLED, "interrupted");
+    }
+out:
+    return st;
+}
+
+/* ---- the whole */
+
+static ph_status prepare(engine *e, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_campaign *c = e->c;
+    char path[1100];
+    PH_ALLOC(e->issued, c->npoints, "the points");
+    PH_ALLOC(e->ready, c->npoints, "the points");
+    PH_ALLOC(e->is_ready, c->npoints, "the points");
+    PH_TRY(ph_i_tally_init(&e->tally, c, err));
+    PH_TRY(ph_i_tally_load(&e->tally, &e->store, e->params->retry_failed, err));
+    e->nknown = e->store.count;
+    for (size_t k = 0; k < e->nknown; k++)
+        e->now.failed += e->store.entry[k].failed && !e->params->retry_failed;
+    for (int p = 0; p < c->npoints; p++)
+        make_ready(e, p);
+    snprintf(path, sizeof path, "%s/costs.csv", e->store.folder);
+    bool fresh = access(path, F_OK) != 0;
+    e->costs = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    static const char header[] = "point,i,seconds,bytes\n";
+    if (fresh && e->costs >= 0 && write(e->costs, header, sizeof header - 1) < 0)
+        e->costs = -1;
+out:
+    return st;
+}
+
+static bool anything_to_do(engine *e)
+{
+    ph_i_task task;
+    if (!next_task(e, &task)) return false;
+    e->again[e->nagain++] = task;
+    return true;
+}
+
+static ph_status check_params(const ph_campaign *c, const ph_campaign_params *p,
+                              ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(c && p && p->folder, PH_EINVAL, "NULL campaign, parameters or folder");
+    PH_CHECK(p->shards == 0 || (p->shard >= 1 && p->shard <= p->shards), PH_EINVAL,
+             "shard %d of %d: from 1 to the number of shards", p->shard, p->shards);
+    PH_CHECK(p->jobs >= 0 && p->jobs <= 256 && p->threads >= 0, PH_EINVAL,
+             "%d jobs of %d threads: 0 to 256 jobs are admissible", p->jobs, p->threads);
+out:
+    return st;
+}
+
+ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params,
+                          ph_campaign_result **out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    engine e = {.c = c, .params = params, .costs = -1, .started = seconds()};
+    e.store = (ph_i_store){.lock = -1, .fd = -1};
+    PH_CHECK(out, PH_EINVAL, "NULL result");
+    *out = NULL;
+    PH_TRY(check_params(c, params, err));
+    PH_TRY(ph_i_store_open(&e.store, params->folder, c, err));
+    PH_TRY(prepare(&e, err));
+    e.now.points = c->npoints;
+    if (anything_to_do(&e)) {
+        ph_i_crew_choose(c, params, &e.now.workers, &e.now.threads);
+        PH_TRY(ph_i_pool_start(&e.pool, e.now.workers, work, &e,
+                               (const int[2]){e.store.lock, e.store.fd}, err));
+        st = loop(&e, err);
+        ph_i_pool_stop(&e.pool);
+        ph_status synced = ph_i_store_sync(&e.store, st == PH_OK ? err : NULL);
+        if (st == PH_OK) st = synced;
+        if (st == PH_OK) report(&e);
+        if (st != PH_OK && st != PH_ECANCELLED) goto out;
+    }
+    ph_status summed = ph_i_result_make(&e.store, out, st == PH_OK ? err : NULL);
+    if (st == PH_OK) st = summed;
+    if (st == PH_OK && (*out)->failed > 0)
+        st = PH_FAIL(err, PH_EPARTIAL, "%lld of %lld realisations failed",
+                     (long long)(*out)->failed, (long long)(*out)->realisations);
+out:
+    if (e.costs >= 0) close(e.costs);
+    ph_i_tally_clear(&e.tally);
+    ph_i_store_close(&e.store);
+    free(e.issued);
+    free(e.ready);
+    free(e.is_ready);
+    return st;
+}

@@ -1,0 +1,149 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Campaigns that are killed, cut off, run twice, split: the files of an undisturbed run come
+# out, bit for bit. usage: campaign.sh ROOT PERIHOM [KILLS]
+set -u
+root=$1
+# shellcheck source=tests/tap.sh
+. "$root/tests/tap.sh"
+perihom=$(absolute "$2")
+kills=${3:-6}
+tap_folder
+cp "$root/tests/cli/campaigns/random.yaml" "$root/tests/cli/campaigns/sweep.yaml" .
+export OMP_NUM_THREADS=1
+
+campaign() { "$perihom" campaign sweep.yaml -q "$@" >/dev/null; }
+same() { # folder of the campaign, folder of the undisturbed one
+    cmp "$1/realisations.jsonl" "$2/realisations.jsonl" && cmp "$1/campaign.json" "$2/campaign.json"
+}
+
+campaign -o one -j 1
+check "the undisturbed run" test -s one/campaign.json
+lines=$(wc -l <one/realisations.jsonl)
+
+campaign -o again -j 3
+check "three workers give the same" same again one
+cp -r again old
+campaign -o again
+check "a second run computes nothing and changes nothing" same again old
+check "no realisation was computed twice" test "$(wc -l <again/costs.csv)" -eq "$lines"
+
+# Killed at a random moment, again and again, then run to its end.
+rm -rf killed
+seed=7
+for k in $(seq "$kills"); do
+    seed=$(((seed * 1103515245 + 12345) % 2147483648))
+    "$perihom" campaign sweep.yaml -q -o killed -j 2 >/dev/null 2>&1 &
+    pid=$!
+    sleep "0.$(printf %03d $((seed / 65536 % 200)))"
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+done
+campaign -o killed -j 2
+check "killed $kills times: the same" same killed one
+
+# What a power cut can leave at the end of the file, and rot in its middle.
+cp -r one torn
+size=$(wc -c <torn/realisations.jsonl)
+truncate -s $((size - 7)) torn/realisations.jsonl
+campaign -o torn
+check "a torn last line is computed again" same torn one
+cp -r one zeros
+truncate -s $((size + 4096)) zeros/realisations.jsonl
+campaign -o zeros
+check "zeros at the end do not count" same zeros one
+cp -r one rotten
+sed -i '20s/1/2/; 30d; 40s/.*/rubbish/' rotten/realisations.jsonl
+"$perihom" campaign sweep.yaml -o rotten >/dev/null 2>err
+check "damaged lines are computed again" same rotten one
+check "... and it says so" grep -q '2 damaged lines' err
+
+# The derived files are rebuilt from the lines.
+rm again/campaign.json
+campaign -o again --rebuild
+check "--rebuild" same again one
+
+# Shards, in any order, merged any number of times.
+for k in 3 1 4 2; do campaign -o parts --shard $k/4 -j 1; done
+campaign -o parts --merge
+check "four shards, merged, are the single run" same parts one
+campaign -o parts --merge parts/shard-2-of-4 parts/shard-4-of-4 parts/shard-2-of-4
+check "merging twice changes nothing" same parts one
+
+# Another campaign in the same folder is refused.
+sed 's/0.05\]/0.06]/' sweep.yaml >other.yaml
+"$perihom" campaign other.yaml -o one -q 2>err
+check "a changed case: exit code 5" test $? -eq 5
+check "... and it says so" grep -q 'realisations of another campaign' err
+check "... and touches nothing" same one torn
+# ... but not another number of realisations.
+sed 's/at_most: 60/at_most: 50/; s/0.02}}/0.01}}/' sweep.yaml >tighter.yaml
+"$perihom" campaign tighter.yaml -o again -q >/dev/null
+"$perihom" campaign tighter.yaml -o fresh -q >/dev/null
+check "a narrower interval goes on from what is there" same again fresh
+
+# Two at once.
+sed 's/at_most: 60/at_most: 100000/; s/0.02}}/0.0001}}/' sweep.yaml >long.yaml
+env --default-signal=INT "$perihom" campaign long.yaml -o both -j 1 -q >/dev/null 2>first &
+pid=$!
+tries=0
+until [ -s both/realisations.jsonl ] || [ $tries -ge 200 ]; do sleep 0.05; tries=$((tries + 1)); done
+"$perihom" campaign long.yaml -o both -q >/dev/null 2>err
+check "a second campaign in a folder: exit code 5" test $? -eq 5
+check "... and it says so" grep -q 'another perihom is working in this folder' err
+
+# Ctrl-C.
+kill -INT "$pid"
+wait "$pid"
+check "SIGINT: exit code 130" test $? -eq 130
+check "... says how to go on" grep -q 'interrupted; the same command goes on' first
+check "... and leaves whole lines" sh -c 'tail -c 1 both/realisations.jsonl | grep -qx "" && test -s both/campaign.json'
+
+# A folder that cannot be written.
+"$perihom" campaign sweep.yaml -o /proc/nowhere -q 2>err
+check "a read-only folder: exit code 5" test $? -eq 5
+check "... and its name" grep -q '/proc/nowhere' err
+
+# A full disk, played by a limit of the file size: what was there stays, nothing is torn.
+(ulimit -f 4; "$perihom" campaign sweep.yaml -o full -j 1 -q >/dev/null 2>err)
+check "a full disk: exit code 5" grep -q 'realisations.jsonl.*file size limit' err
+check "... only whole lines" sh -c 'tail -c 1 full/realisations.jsonl | grep -qx ""'
+campaign -o full
+check "... and it goes on with room" same full one
+
+# Failures are kept, and tried again when asked for. 12 platelets of 30 in a box of 32.
+sed 's/mean: 12, std: 3, min: 3/mean: 30, std: 2, min: 3/' random.yaml >random2.yaml
+sed 's/random.yaml/random2.yaml/; s/realisations:.*/realisations: 10/' sweep.yaml >failing.yaml
+"$perihom" campaign failing.yaml -o failing -q >/dev/null 2>err
+check "some failed: exit code 6" test $? -eq 6
+failed=$(grep -c '"failed"' failing/realisations.jsonl)
+check "failures are kept with their error" grep -q '"failed": "physically not admissible", "message": "' failing/realisations.jsonl
+cp -r failing failing2
+"$perihom" campaign failing.yaml -o failing -q >/dev/null 2>&1
+check "they are not tried again" same failing failing2
+"$perihom" campaign failing.yaml -o failing -q --retry-failed >/dev/null 2>&1
+check "--retry-failed tries the $failed again" test "$(wc -l <failing/costs.csv)" -eq $((41 + failed))
+check "... with the same end" same failing failing2
+
+# A worker that is killed: its realisation is computed again.
+sed 's/realisations:.*/realisations: 12/' sweep.yaml >slow.yaml
+slow="campaign slow.yaml --set microstructure.nodes=[160,160] -j 1"
+# shellcheck disable=SC2086
+"$perihom" $slow -o orphan >/dev/null 2>err &
+pid=$!
+tries=0
+worker=
+until [ -n "$worker" ] || [ $tries -ge 400 ]; do
+    sleep 0.01
+    worker=$(cat "/proc/$pid/task/$pid/children" 2>/dev/null)
+    tries=$((tries + 1))
+done
+# shellcheck disable=SC2086
+kill -9 $worker
+wait "$pid"
+check "a killed worker: exit code 0" test $? -eq 0
+check "... it says so" grep -q 'a realisation was lost: its worker process was ended by signal 9' err
+# shellcheck disable=SC2086
+"$perihom" $slow -o whole >/dev/null 2>&1
+check "... and nothing is missing" same orphan whole
+tap_end

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "campaign_report.h"
+
+#include "interrupt.h"
+#include "tools.h"
+
+#include <math.h>
+#include <string.h>
+
+static void describe(const campaign_talk *t, const ph_campaign_progress *now, char *text,
+                     size_t size)
+{
+    const ph_campaign *c = t->c;
+    char to_go[32], mean[160] = "", failed[48] = "";
+    progress_time(to_go, sizeof to_go, now->to_go);
+    if (isfinite(now->mean.half_width))
+        snprintf(mean, sizeof mean, ", %s %.5g +- %.2g",
+                 c->output[c->judged >= 0 ? c->judged : 0].name, now->mean.mean,
+                 now->mean.half_width);
+    if (now->failed > 0)
+        snprintf(failed, sizeof failed, ", %lld failed", (long long)now->failed);
+    snprintf(text, size, "point %d of %d: %lld of %lld realisations%s%s, %s to go",
+             now->points_done, now->points, (long long)now->realisations,
+             (long long)now->wanted, mean, failed, to_go);
+}
+
+bool campaign_step(void *user, const ph_campaign_progress *now)
+{
+    campaign_talk *t = user;
+    char text[400];
+    /* seconds between two lines: none, lines, verbose, bar */
+    static const double every[] = {HUGE_VAL, 5.0, 0.0, 0.1};
+    if (now->event && t->style != PROGRESS_NONE) {
+        campaign_talk_end(t);
+        talk("a realisation was lost: %s", now->event);
+    }
+    if (now->seconds - t->shown >= every[t->style]) {
+        describe(t, now, text, sizeof text);
+        if (t->style == PROGRESS_BAR) {
+            int width = fprintf(stderr, "\r%s", text) - 1;
+            if (width < t->width) fprintf(stderr, "%*s", t->width - width, "");
+            t->width = width;
+            fflush(stderr);
+        } else {
+            fprintf(stderr, "%s\n", text);
+        }
+        t->shown = now->seconds;
+    }
+    return interrupt_signal() == 0;
+}
+
+void campaign_talk_end(campaign_talk *t)
+{
+    if (t->width > 0) fprintf(stderr, "\r%*s\r", t->width, "");
+    t->width = 0;
+}
+
+/* The last part of a dotted key is what varies. */
+static const char *short_key(const char *key)
+{
+    const char *dot = strrchr(key, '.');
+    return dot ? dot + 1 : key;
+}
+
+static void put_head(FILE *to, const ph_campaign *c)
+{
+    for (int k = 0; k < c->nkeys; k++)
+        fprintf(to, "%16s ", short_key(c->key[k]));
+    fprintf(to, "%8s ", "n");
+    for (int k = 0; k < c->noutputs; k++)
+        fprintf(to, "%14s %9s ", c->output[k].name, "+-");
+    fprintf(to, "%s\n", c->judged >= 0 ? "reached" : "");
+}
+
+void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r)
+{
+    put_head(to, c);
+    for (int p = 0; p < r->npoints; p++) {
+        const ph_campaign_summary *s = &r->point[p];
+        for (int k = 0; k < c->nkeys; k++)
+            fprintf(to, "%16.16s ", c->point[p].value[k]);
+        fprintf(to, "%8lld ", (long long)s->output[0].n);
+        for (int k = 0; k < c->noutputs; k++) {
+            const ph_interval *i = &s->output[k].mean;
+            if (isnan(i->half_width))
+                fprintf(to, "%14.7g %9s ", i->mean, "-");
+            else
+                fprintf(to, "%14.7g %9.2g ", i->mean, i->half_width);
+        }
+        fprintf(to, "%s%s\n",
+                c->judged < 0 ? ""
+                : s->reached  ? "yes"
+                              : "no",
+                s->complete ? "" : " (incomplete)");
+    }
+    fprintf(to, "+-: half width of the %g %% interval of the mean\n",
+            100 * c->stopping.confidence);
+}
