@@ -22,6 +22,8 @@
 #include <perihom/card.h>
 #include <perihom/case.h>
 #include <perihom/catalogue.h>
+#include <perihom/crack.h>
+#include <perihom/damage.h>
 #include <perihom/distribution.h>
 #include <perihom/effective.h>
 #include <perihom/error.h>

@@ -81,6 +81,21 @@ PH_API void ph_solid_area_vector(const ph_solid *solid, int dimensions,
  *  Tested: tests/unit/test_build.c, tests/laws/test_painting.c */
 PH_API ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err);
 
+/** The cracks of a case and what they do. Owns its arrays but for the values of the steps,
+ *  which stay the case's. */
+typedef struct ph_crack_plan {
+    ph_cracks cracks;
+    ph_sequence sequence;
+    bool *grows;      /* of the sequence, or NULL */
+    ptrdiff_t *start; /* [entries of the case] first crack of each */
+} ph_crack_plan;
+PH_API void ph_crack_plan_free(ph_crack_plan **plan);
+/** Cracks that a case names and draws: a pure function of the case, its seed and its
+ *  realisation. Centres of random cracks are uniform in the box; they may cross.
+ *  @return PH_OK; PH_EUNPHYSICAL (a density that takes more than 1e7 cracks); PH_ENOMEM.
+ *  Tested: tests/unit/test_cracks.c */
+PH_API ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err);
+
 /** A shape of random filler of the case file. */
 typedef struct ph_filler_shape {
     ph_entry info;

@@ -168,11 +168,13 @@ static ph_status check_case(const ph_case *c, bool json, ph_error *err)
     char *text = NULL;
     double *fraction = NULL;
     ph_microstructure *micro = NULL;
+    ph_crack_plan *plan = NULL;
     json_t *resolved = NULL;
     ph_estimate e = {0};
     PH_TRY(memory_check_cells(c, case_solves(c), err));
     PH_TRY(ph_rve_build(c, &micro, err));
-    const ph_problem problem = case_problem(c, micro);
+    PH_TRY(ph_rve_cracks(c, &plan, err));
+    const ph_problem problem = case_problem(c, micro, plan);
     PH_TRY(ph_homogenise_estimate(&problem, &e, err));
     PH_TRY(ph_case_to_json(c, &text, err));
     resolved = json_loads(text, 0, NULL);
@@ -187,6 +189,7 @@ out:
     json_decref(resolved);
     free(fraction);
     free(text);
+    ph_crack_plan_free(&plan);
     ph_microstructure_free(&micro);
     return st;
 }

@@ -61,6 +61,7 @@ typedef struct run {
     ph_case *c;
     char *case_json;
     ph_microstructure *micro;
+    ph_crack_plan *plan;
     ph_result *result;
     char *json;
 } run;
@@ -69,6 +70,7 @@ static void run_free(run *r)
 {
     ph_result_free(&r->result);
     ph_microstructure_free(&r->micro);
+    ph_crack_plan_free(&r->plan);
     ph_case_free(&r->c);
     free(r->case_json);
     free(r->json);
@@ -79,7 +81,7 @@ static ph_status solve(run *r, ph_error *err)
     const run_options *o = r->options;
     progress p;
     progress_start(&p, progress_choose(o->quiet, o->verbose, o->progress));
-    const ph_problem problem = case_problem(r->c, r->micro);
+    const ph_problem problem = case_problem(r->c, r->micro, r->plan);
     const ph_ctx ctx = {.progress = progress_step, .user = &p, .threads = o->threads};
     ph_status st = ph_homogenise(&problem, &ctx, &r->result, err);
     progress_end(&p);
@@ -91,6 +93,21 @@ static ph_status stop_if_interrupted(ph_error *err)
     ph_status st = PH_OK;
     PH_CHECK(!interrupt_signal(), PH_ECANCELLED, "interrupted");
 out:
+    return st;
+}
+
+static ph_status write_damage(const run *r, destination *to, ph_error *err)
+{
+    ph_status st = PH_OK;
+    char path[DESTINATION_PATH + 64], *text = NULL;
+    destination_file(to, "damage.png", path, sizeof path);
+    PH_TRY(
+        ph_write_png(path, &r->result->grid, r->result->damage->field, 3, "damage", err));
+    PH_TRY(ph_damage_to_csv(r->result->damage, &text, err));
+    destination_file(to, "damage.csv", path, sizeof path);
+    PH_TRY(ph_write_file(path, text, strlen(text), err));
+out:
+    free(text);
     return st;
 }
 
@@ -106,6 +123,7 @@ static ph_status write_files(const run *r, ph_error *err)
         destination_file(&to, "fields", path, sizeof path);
         PH_TRY(ph_write_fields(path, r->micro, r->result, r->c, err));
     }
+    if (r->result->damage) PH_TRY(write_damage(r, &to, err));
     destination_file(&to, "result.json", path, sizeof path);
     PH_TRY(ph_write_file(path, r->json, strlen(r->json), err));
     PH_TRY(stop_if_interrupted(err));
@@ -139,7 +157,8 @@ static ph_status run_case(run *r, ph_error *err)
     PH_TRY(memory_check_cells(r->c, case_solves(r->c), err));
     PH_TRY(ph_rve_build(r->c, &r->micro, err));
     PH_TRY(stop_if_interrupted(err));
-    const ph_problem problem = case_problem(r->c, r->micro);
+    PH_TRY(ph_rve_cracks(r->c, &r->plan, err));
+    const ph_problem problem = case_problem(r->c, r->micro, r->plan);
     PH_TRY(memory_check_problem(&problem, err));
     st = solve(r, err);
     if (st == PH_ENOCONV && r->result) {

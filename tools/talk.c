@@ -58,7 +58,8 @@ bool case_solves(const ph_case *c)
            strcmp(c->constraint.kind, "reuss") != 0;
 }
 
-ph_problem case_problem(const ph_case *c, const ph_microstructure *micro)
+ph_problem case_problem(const ph_case *c, const ph_microstructure *micro,
+                        const ph_crack_plan *plan)
 {
     return (ph_problem){
         .micro = micro,
@@ -67,5 +68,7 @@ ph_problem case_problem(const ph_case *c, const ph_microstructure *micro)
         .constraint = c->constraint,
         .solver = c->solver,
         .keep_fields = c->fields,
+        .cracks = &plan->cracks,
+        .sequence = &plan->sequence,
     };
 }

@@ -16,6 +16,7 @@ typedef struct verb {
 extern const verb verbs[];
 
 int cmd_run(int argc, char **argv);
+int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_generate(int argc, char **argv);
 int cmd_bounds(int argc, char **argv);
@@ -47,7 +48,8 @@ int case_load(const char *path, const text_list *sets, ph_case **out);
 void talk_issues(const char *path, const ph_case_issues *issues);
 /** Whether a case has equations to solve: not for the bounds of Voigt and Reuss. */
 bool case_solves(const ph_case *c);
-/** The problem that a case poses on its microstructure; borrows both. */
-ph_problem case_problem(const ph_case *c, const ph_microstructure *micro);
+/** The problem that a case poses on its microstructure and cracks; borrows all three. */
+ph_problem case_problem(const ph_case *c, const ph_microstructure *micro,
+                        const ph_crack_plan *plan);
 
 #endif

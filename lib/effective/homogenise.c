@@ -22,11 +22,14 @@ void ph_i_run_clear(ph_run *r)
 {
     if (r->solver && r->state) r->solver->free(&r->state);
     size_t n = r->op ? (size_t)(r->op->layout.nd * r->op->layout.cells) : 0;
-    for (int a = 0; a < 6; a++)
+    for (int a = 0; a < 6; a++) {
         ph_i_doubles_free(&r->meter, &r->kept[a], n);
+        ph_i_doubles_free(&r->meter, &r->first[a], n);
+    }
     ph_i_doubles_free(&r->meter, &r->residual, n);
     ph_i_doubles_free(&r->meter, &r->product, n);
     ph_i_operator_free(&r->op);
+    ph_i_broken_free(&r->broken);
     ph_family_free(&r->family);
     ph_i_bond_classes_free(&r->classes);
     ph_i_stiffness_map_free(&r->meter, &r->map);
@@ -100,6 +103,7 @@ void ph_result_free(ph_result **result)
         free(res->fields[i].stress);
     }
     free(res->fields);
+    ph_damage_free(&res->damage);
     free(res->names);
     free(res->fractions);
     free(res);
@@ -217,6 +221,9 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
     r->map->least_contrast = fmax(r->map->least_contrast, r->contrast);
     PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
                              res, err));
+    PH_CHECK(!(ph_i_has_cracks(p) && r->constraint->by_stress), PH_EINVAL,
+             "cracks do not go with %s: take periodic or linear_displacement",
+             r->constraint->info.name);
     PH_CHECK(!(res->bond.present && r->constraint->by_stress), PH_EINVAL,
              "model bond does not take %s: bonds that are missing at the faces make the "
              "material soft there. Take periodic or linear_displacement, or model nosb",
@@ -227,6 +234,9 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
     res->stabilisation = r->params.stabilisation;
     res->stabilisation_value = r->params.value;
     PH_TRY(r->constraint->prepare(p, r->family, &r->setting, err));
+    if (ph_i_has_cracks(p))
+        PH_TRY(ph_i_broken_new(&r->setting.box, r->family, &r->meter, &r->broken, err));
+    r->params.broken = r->broken;
     if (res->bond.present)
         PH_TRY(ph_i_bond_classes_new(p->micro, p->model.kappa, r->setting.source,
                                      ph_grid_cells(&r->setting.box), &r->classes, err));
@@ -274,6 +284,22 @@ out:
     return st;
 }
 
+/* The factors of a solver and the lists of the route `bonds` are made once: make them anew.
+ * Everything else takes in the damaged nodes in place. */
+ph_status ph_i_run_rebuild(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(ph_i_operator_update(r->op, err));
+    ph_i_broken_seen(r->broken);
+    if (!r->solver->keeps_matrix && !r->op->bonds) return PH_OK;
+    r->solver->free(&r->state);
+    if (!r->op->bonds) return r->solver->init(&r->system, &r->state, err);
+    ph_i_operator_free(&r->op);
+    PH_TRY(ph_i_run_build(r, err));
+out:
+    return st;
+}
+
 void ph_i_run_account(ph_run *r, double start, double solving)
 {
     ph_result *res = r->result;
@@ -292,6 +318,11 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
     ph_status st = PH_OK;
     ph_result *res = r->result;
     const char *name = r->constraint->info.name;
+    PH_CHECK(
+        !r->constraint->analytic || !ph_i_has_cracks(r->problem), PH_EINVAL,
+        "constraint %s solves no equations and knows nothing of cracks: take periodic "
+        "or linear_displacement",
+        name);
     if (r->constraint->analytic) {
         bool upper = strcmp(name, "voigt") == 0;
         analytic_answer(res, upper ? &res->voigt : &res->reuss, name);
@@ -301,17 +332,19 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
         return PH_OK;
     }
     PH_TRY(ph_i_run_prepare(r, err));
-    if (!r->problem->keep_fields && !res->bond.present && ph_i_run_is_homogeneous(r)) {
+    if (!r->problem->keep_fields && !res->bond.present && !r->broken &&
+        ph_i_run_is_homogeneous(r)) {
         analytic_answer(res, &res->voigt, "the cell is homogeneous");
         return PH_OK;
     }
     PH_TRY(ph_i_run_build(r, err));
     double start = ph_i_run_now();
-    st = ph_i_run_loads(r, err);
+    r->keep_fields = r->problem->keep_fields;
+    st = r->broken ? ph_i_run_damage(r, err) : ph_i_run_loads(r, err);
     *solving = ph_i_run_now() - start;
     if (st == PH_ENOCONV) ph_i_run_solved_columns(r);
     if (st != PH_OK) goto out;
-    PH_TRY(ph_i_run_stiffness(r, err));
+    if (!r->broken) PH_TRY(ph_i_run_stiffness(r, err));
 out:
     return st;
 }

@@ -48,6 +48,12 @@ static void take_reactions(ph_run *r, int load, const double *macro)
         r->result->bond.reactions.m[i][load] = stress[i];
 }
 
+static double tolerance_of(const ph_run *r)
+{
+    double t = r->problem->solver.tolerance;
+    return t > 0.0 ? t : default_tolerance;
+}
+
 /* Averages of a solved load: its column, and what the energies say. */
 static ph_status take_column(ph_run *r, int load, const double *macro, const double *unit,
                              ph_error *err)
@@ -62,6 +68,7 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
     for (int i = 0; i < ns; i++) {
         stress[i] /= n;
         strain[i] /= n;
+        if (r->broken && macro) strain[i] = macro[i]; /* the rest is in the gaps */
         work += stress[i] * strain[i];
         bool by_stress = ph_i_run_by_stress(r, i);
         double wrong = (by_stress ? stress[i] : strain[i]) - unit[i];
@@ -77,13 +84,16 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
         extra += r->op->has_cells ? e.modes
                                   : e.modes - theta / (1.0 - theta + 1e-300) * e.mean;
     ph_result *res = r->result;
-    double solid = res->voigt.m[load][load];
+    double solid = res->voigt.m[load][load], size_of_energy = fabs(total);
+    /* A cell that cracks cut through has no energy but the solver's tolerance. */
+    if (r->broken && macro)
+        size_of_energy = fmax(size_of_energy, tolerance_of(r) * solid);
     res->strain_average = fmax(res->strain_average, sqrt(off / size));
     /* Layers with nothing between them: a load without energy has no share of it. */
-    if (fabs(total) > no_load * (ph_i_run_by_stress(r, load) ? 1.0 / solid : solid)) {
-        res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / fabs(total));
+    if (size_of_energy > no_load * (ph_i_run_by_stress(r, load) ? 1.0 / solid : solid)) {
+        res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / size_of_energy);
         res->stabilisation_energy =
-            fmax(res->stabilisation_energy, fabs(extra) / n / fabs(total));
+            fmax(res->stabilisation_energy, fabs(extra) / n / size_of_energy);
     }
     for (int i = 0; r->op->springs && i < ns; i++)
         res->bond.virial.m[i][load] = stress[i];
@@ -100,8 +110,8 @@ static const double second_order_contrast = 1e3;
 
 static bool second_order(const ph_run *r)
 {
-    return r->map->contrast > second_order_contrast && !r->constraint->by_stress &&
-           !r->op->bonds &&
+    return (r->map->contrast > second_order_contrast || r->broken) &&
+           !r->constraint->by_stress && !r->op->bonds &&
            (!r->problem->loads || r->problem->loads == ph_i_run_all_loads(r->result));
 }
 
@@ -110,7 +120,8 @@ static ph_status keep_residual(ph_run *r, int load, const double *macro, ph_erro
     ph_status st = PH_OK;
     ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
     size_t bytes = sizeof(double) * (size_t)n;
-    PH_DOUBLES(r->kept[load], &r->meter, (size_t)n, "the displacement of a load");
+    if (!r->kept[load])
+        PH_DOUBLES(r->kept[load], &r->meter, (size_t)n, "the displacement of a load");
     memcpy(r->kept[load], r->u, bytes);
     if (!r->residual) {
         PH_DOUBLES(r->residual, &r->meter, (size_t)n, "a residual");
@@ -138,20 +149,21 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     double unit[6] = {0};
     unit[load] = 1.0;
     const double *macro = ph_i_run_by_stress(r, load) ? NULL : unit;
-    ph_cg_report report = {.tolerance =
-                               sp->tolerance > 0.0 ? sp->tolerance : default_tolerance,
+    ph_cg_report report = {.tolerance = tolerance_of(r),
                            .max_iterations = sp->max_iterations > 0 ? sp->max_iterations
                                                                     : DEFAULT_ITERATIONS,
                            .ctx = r->ctx,
                            .load = number,
-                           .loads = loads};
+                           .loads = loads,
+                           .guessed = r->first[load] != NULL};
+    size_t size = sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells);
     if (macro)
         ph_i_operator_load(r->op, macro, r->load);
     else
         ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
+    if (r->first[load]) memcpy(r->u, r->first[load], size);
     if (load_is_nothing(r, !macro))
-        memset(r->u, 0,
-               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+        memset(r->u, 0, size);
     else
         st = r->solver->solve(r->state, r->load, r->u, &report, err);
     res->iterations[res->nloads] = report.iterations;
@@ -159,13 +171,11 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     if (st != PH_OK && st != PH_ENOCONV) return st;
     if (st == PH_OK && macro && second_order(r))
         PH_TRY(keep_residual(r, load, macro, err));
-    if (r->kept[load])
-        memcpy(r->u, r->kept[load],
-               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+    if (r->kept[load]) memcpy(r->u, r->kept[load], size);
+    if (r->first[load]) memcpy(r->first[load], r->u, size);
     ph_status taken = take_column(r, load, macro, unit, err);
     if (taken != PH_OK) return taken;
-    if (r->problem->keep_fields && st == PH_OK)
-        st = ph_i_run_keep_fields(r, load, macro, err);
+    if (r->keep_fields && st == PH_OK) st = ph_i_run_keep_fields(r, load, macro, err);
 out:
     return st;
 }
@@ -180,7 +190,7 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
     if (r->constraint->by_stress) loads = all; /* the compliance is inverted as a whole */
     for (int a = 0; a < r->map->ns; a++)
         count += (loads >> a & 1) != 0;
-    PH_ALLOC(res->fields, count, "fields");
+    if (!res->fields) PH_ALLOC(res->fields, count, "fields");
     r->columns.n = r->map->ns;
     for (int a = 0; a < r->map->ns; a++) {
         if (!((loads >> a) & 1)) continue;
@@ -224,10 +234,11 @@ out:
 }
 
 /* The largest correction m_ab over sqrt(c_aa c_bb): a direction in which the composite is as
- * stiff as its fibres must not hide the others. An isolated body in a void has c = 0. */
-static double worst_correction(const ph_sym4 *m, const ph_sym4 *c, double softest)
+ * stiff as its fibres must not hide the others.
+ * An isolated body in a void has c = 0: `least` is what counts as nothing. */
+static double worst_correction(const ph_sym4 *m, const ph_sym4 *c, double least)
 {
-    double worst = 0.0, least = 1e-6 * softest;
+    double worst = 0.0;
     for (int a = 0; a < c->n; a++)
         for (int b = 0; b < c->n; b++)
             worst = fmax(worst, fabs(m->m[a][b]) / sqrt(fmax(c->m[a][a], least)) /
@@ -247,7 +258,9 @@ static ph_status refine(ph_run *r, ph_sym4 *c, ph_error *err)
             r->second.m[b][a] = r->second.m[a][b];
             c->m[a][b] = c->m[b][a] = r->columns.m[a][b] - r->second.m[a][b];
         }
-    double off = worst_correction(&r->second, c, r->map->softest);
+    /* Cracks may leave nothing at all: what matters is small beside the whole cell. */
+    double least = (r->broken ? 1e-3 : 1e-6) * r->map->softest;
+    double off = worst_correction(&r->second, c, least);
     r->result->converged = off <= 0.1;
     r->result->stiffness = *c;
     PH_CHECK(r->result->converged, PH_ENOCONV,

@@ -11,6 +11,7 @@ typedef struct ph_run {
     const ph_problem *problem;
     ph_problem own; /* model bond: the problem with the material at the nodes */
     const ph_ctx *ctx;
+    bool keep_fields; /* of the loads that are solved now */
     int threads;
     ph_meter meter;
     const ph_constraint_method *constraint;
@@ -19,6 +20,8 @@ typedef struct ph_run {
     ph_operator_params params;
     ph_family *family;
     ph_bond_classes *classes; /* model bond, or NULL */
+    ph_broken *broken;        /* with cracks, or NULL */
+    double *first[6];         /* guesses of the loads: the last step's fields, or NULL */
     ph_operator *op;
     ph_system system;
     const ph_solver_method *solver;
@@ -56,6 +59,11 @@ void ph_i_run_clear(ph_run *run);
 /** All cells hold the same stiffness and nothing around them is held or missing. */
 bool ph_i_run_is_homogeneous(const ph_run *run);
 unsigned ph_i_run_all_loads(const ph_result *result);
+
+/** Take in what has broken since the operator was built. */
+ph_status ph_i_run_rebuild(ph_run *run, ph_error *err);
+/** All steps of the cracks, the pristine cell first. */
+ph_status ph_i_run_damage(ph_run *run, ph_error *err);
 
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);

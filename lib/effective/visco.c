@@ -178,6 +178,10 @@ ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
     bool done;
     *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}, .out = out};
     v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
+    PH_CHECK(
+        !ph_i_has_cracks(problem), PH_EINVAL,
+        "the relaxation of a cracked cell is not computed: leave out the cracks, or the "
+        "relaxation");
     PH_TRY(ph_i_run_begin(r, err));
     const ph_microstructure *micro = r->problem->micro;
     PH_TRY(ph_i_run_look_ahead(r, err));

@@ -7,8 +7,9 @@
 enum { MAX_FILE = 1 << 26 };
 
 static const char *const root_keys[] = {
-    "perihom", "title",      "units",  "temperature",  "materials", "microstructure",
-    "model",   "constraint", "solver", "viscoelastic", "output"};
+    "perihom",        "title",  "units",      "temperature", "materials",
+    "microstructure", "model",  "constraint", "solver",      "viscoelastic",
+    "output",         "cracks", "sequence"};
 static const char *const unit_keys[] = {"length", "stress", "time", "temperature"};
 
 void ph_case_free(ph_case **c)
@@ -25,6 +26,7 @@ void ph_case_free(ph_case **c)
     ph_history_free(&(*c)->viscoelastic.history);
     free((*c)->inclusions);
     free((*c)->fillers);
+    ph_i_cracks_free(*c);
     free(*c);
     *c = NULL;
 }
@@ -71,6 +73,7 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     ph_i_take_kappa(r);
     ph_i_read_constraint(r, ph_i_get(root, "constraint"));
     ph_i_read_solver(r, ph_i_get(root, "solver"));
+    PH_TRY(ph_i_read_cracks(r, root, err));
     PH_TRY(ph_i_read_viscoelastic(r, ph_i_get(root, "viscoelastic"), err));
     ph_i_read_output(r, ph_i_get(root, "output"));
 out:

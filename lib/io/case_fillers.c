@@ -131,8 +131,8 @@ static void confine(ph_i_reader *r, const ph_i_node *node, const char *what, dou
                     open ? ">" : "at least", lo, hi < 1e60 ? " and not above 360" : "");
 }
 
-static void read_distribution(ph_i_reader *r, const ph_i_node *node, const char *what,
-                              double lo, double hi, bool open, ph_distribution *d)
+void ph_i_read_distribution(ph_i_reader *r, const ph_i_node *node, const char *what,
+                            double lo, double hi, bool open, ph_distribution *d)
 {
     double x;
     *d = ph_distribution_constant(0);
@@ -158,7 +158,7 @@ static bool read_positive_key(ph_i_reader *r, const ph_i_node *map, const char *
                               ph_distribution *d)
 {
     const ph_i_node *node = ph_i_get(map, key);
-    if (node) read_distribution(r, node, key, 0, 1e60, true, d);
+    if (node) ph_i_read_distribution(r, node, key, 0, 1e60, true, d);
     return node != NULL;
 }
 
@@ -256,13 +256,13 @@ static void read_curvature(ph_i_reader *r, const ph_i_node *node, int shape, ph_
     if (!child) {
         if (node->count == 0) ph_i_reject(r, node, PH_EINVAL, "%s", rule);
     } else if (f->curvature == PH_CURVATURE_ARC_ANGLE) {
-        read_distribution(r, child, "angle", 0, 360, false, &f->bend);
+        ph_i_read_distribution(r, child, "angle", 0, 360, false, &f->bend);
     } else if (f->curvature == PH_CURVATURE_RADIUS) {
-        read_distribution(r, child, "radius", 0, 1e60, true, &f->bend);
+        ph_i_read_distribution(r, child, "radius", 0, 1e60, true, &f->bend);
     } else if (shape == PLATELET) {
         ph_i_complain(r, child, PH_EINVAL, "belongs to fibres only");
     } else if (f->curvature == PH_CURVATURE_WORM) {
-        read_distribution(r, child, "persistence length", 0, 1e60, true, &f->bend);
+        ph_i_read_distribution(r, child, "persistence length", 0, 1e60, true, &f->bend);
     } else if (r->dimension == 2) {
         ph_i_complain(r, child, PH_EINVAL, "belongs to dimension 3 only");
     } else {

@@ -19,7 +19,7 @@ static json_t *numbers(const double *x, int n, bool *good)
     return list;
 }
 
-static json_t *distribution(const ph_distribution *d, bool *good)
+json_t *ph_i_distribution_to_json(const ph_distribution *d, bool *good)
 {
     const ph_distribution_kind *kind = &ph_distributions[d->kind];
     if (strcmp(kind->info.name, "constant") == 0) return json_real(d->p[0]);
@@ -42,7 +42,7 @@ static json_t *distribution(const ph_distribution *d, bool *good)
 static void put_distribution(json_t *map, const char *key, const ph_distribution *d,
                              bool *good)
 {
-    if (d->kind >= 0) put(map, key, distribution(d, good), good);
+    if (d->kind >= 0) put(map, key, ph_i_distribution_to_json(d, good), good);
 }
 
 static json_t *curvature(const ph_filler *f, bool *good)

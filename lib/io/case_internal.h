@@ -145,6 +145,7 @@ extern const ph_i_names ph_i_component_names; /* 11 22 33 23 13 12 */
 extern const ph_i_names ph_i_filler_names;    /* platelet, fibre, particle */
 extern const ph_i_names ph_i_amount_names;    /* in the order of ph_amount */
 extern const ph_i_names ph_i_counting_names;  /* in the order of ph_counting */
+extern const ph_i_names ph_i_tip_names;       /* in the order of ph_crack_tip */
 
 /* ---- one function a section; `node` is NULL where the section is not given */
 
@@ -173,6 +174,12 @@ ph_status ph_i_read_inclusions(ph_i_reader *r, const ph_i_node *list, ph_error *
 ph_status ph_i_read_fillers(ph_i_reader *r, const ph_i_node *list, ph_error *err);
 /** The interphase factor of the fillers becomes that of the model. */
 void ph_i_take_kappa(ph_i_reader *r);
+/** `cracks` and `sequence`. */
+ph_status ph_i_read_cracks(ph_i_reader *r, const ph_i_node *root, ph_error *err);
+void ph_i_cracks_free(ph_case *c);
+/** A number or a distribution, every value in [lo, hi], above lo where `open`. */
+void ph_i_read_distribution(ph_i_reader *r, const ph_i_node *node, const char *what,
+                            double lo, double hi, bool open, ph_distribution *d);
 void ph_i_read_voxels(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_model(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_constraint(ph_i_reader *r, const ph_i_node *node);

@@ -158,6 +158,12 @@ static json_t *model_to_json(const ph_model_params *m, bool *good)
         horizon = one("length", m->horizon, good);
     else
         horizon = json_real(m->horizon);
+    put(map, "kind", json_string(m->kind ? m->kind : "nosb"), good);
+    if (m->kind && strcmp(m->kind, "bond") == 0) {
+        put(map, "horizon", horizon, good);
+        bond_to_json(m, map, good);
+        return map;
+    }
     if (m->stabilisation == PH_STABILISE_SPECTRAL)
         stabilisation = one("spectral", m->stabilisation_value, good);
     else if (m->stabilisation == PH_STABILISE_SUBPOINT)
@@ -165,13 +171,6 @@ static json_t *model_to_json(const ph_model_params *m, bool *good)
     else
         stabilisation =
             json_string(m->stabilisation == PH_STABILISE_NONE ? "none" : "auto");
-    put(map, "kind", json_string(m->kind ? m->kind : "nosb"), good);
-    if (m->kind && strcmp(m->kind, "bond") == 0) {
-        json_decref(stabilisation);
-        put(map, "horizon", horizon, good);
-        bond_to_json(m, map, good);
-        return map;
-    }
     put(map, "points", json_string(ph_i_points_names.name[m->points]), good);
     put(map, "horizon", horizon, good);
     put(map, "influence", json_string(m->influence ? m->influence : "constant"), good);
@@ -234,6 +233,9 @@ static json_t *case_to_json(const ph_case *c, bool *good)
     put(map, "model", model_to_json(&c->model, good), good);
     put(map, "constraint", constraint_to_json(c, good), good);
     put(map, "solver", solver_to_json(&c->solver, good), good);
+    if (c->ncracks > 0) put(map, "cracks", ph_i_cracks_to_json(c, good), good);
+    if (c->sequence.kind != PH_SEQUENCE_NONE)
+        put(map, "sequence", ph_i_sequence_to_json(c, good), good);
     if (c->viscoelastic.given || ph_case_relaxes(c))
         put(map, "viscoelastic", ph_i_viscoelastic_to_json(&c->viscoelastic, good), good);
     put(map, "output", output, good);

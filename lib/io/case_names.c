@@ -22,6 +22,8 @@ static const char *const fillers[] = {"platelet", "fibre", "particle"};
 static const char *const amounts[] = {"weight_fraction", "volume_fraction", "count"};
 static const char *const countings[] = {"auto", "nodes", "area"};
 
+static const char *const tips[] = {"both", "to", "from"};
+
 const ph_i_names ph_i_model_names = PH_I_NAMES(models);
 const ph_i_names ph_i_later_model_names = PH_I_NAMES(later_models);
 const ph_i_names ph_i_points_names = PH_I_NAMES(points);
@@ -39,3 +41,4 @@ const ph_i_names ph_i_component_names = PH_I_NAMES(components);
 const ph_i_names ph_i_filler_names = PH_I_NAMES(fillers);
 const ph_i_names ph_i_amount_names = PH_I_NAMES(amounts);
 const ph_i_names ph_i_counting_names = PH_I_NAMES(countings);
+const ph_i_names ph_i_tip_names = PH_I_NAMES(tips);

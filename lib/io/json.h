@@ -30,6 +30,13 @@ ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err);
 ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err);
 /** `microstructure.fillers` (case_fillers_json.c); *good turns false where it fails. */
 json_t *ph_i_fillers_to_json(const ph_case *c, bool *good);
+json_t *ph_i_distribution_to_json(const ph_distribution *d, bool *good);
+/** `cracks` and `sequence` (case_cracks_json.c). */
+json_t *ph_i_cracks_to_json(const ph_case *c, bool *good);
+json_t *ph_i_sequence_to_json(const ph_case *c, bool *good);
+/** `effective.damage` (damage_json.c). */
+ph_status ph_i_json_damage(const ph_damage *damage, json_t *effective, json_t *reasons,
+                           ph_error *err);
 /** A viscoelastic material and `viscoelastic` (case_viscoelastic_json.c). */
 json_t *ph_i_relaxation_to_json(const ph_case_relaxation *x, double density, bool *good);
 json_t *ph_i_viscoelastic_to_json(const ph_case_viscoelastic *v, bool *good);

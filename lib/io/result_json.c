@@ -371,6 +371,8 @@ static ph_status put_effective(draft_document *d, ph_error *err)
     PH_TRY(put_stiffness(d, effective, missing, err));
     if (d->result->bond.present) PH_TRY(put_bond(d, effective, missing, err));
     PH_TRY(put_derived(d, effective, missing, err));
+    if (d->result->damage)
+        PH_TRY(ph_i_json_damage(d->result->damage, effective, d->reasons, err));
 out:
     return st;
 }

@@ -110,9 +110,10 @@ static bool invert_shape(const bool active[3], double K[3][3], double R[3][3])
     return true;
 }
 
-/* xi from the mean of those that are left, K of those, g = w K^-1 xi. */
+/* xi from the mean of those that are left, K of those, g = w K^-1 xi. A singular K is an
+ * error, or, where `singular` is given, what it says. */
 static ph_status weigh_point(builder *b, const ptrdiff_t at[3], ptrdiff_t first,
-                             bool centred, ph_error *err)
+                             bool centred, bool *singular, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_bondlist *l = b->list;
@@ -131,8 +132,11 @@ static ph_status weigh_point(builder *b, const ptrdiff_t at[3], ptrdiff_t first,
                 K[d][e] += v->w * v->xi[d] * v->xi[e];
         if (centred) v->origin = v->w / W;
     }
+    bool regular = W > 0.0 && invert_shape(b->active, K, R);
+    if (singular) *singular = !regular;
+    if (singular && !regular) return PH_OK;
     PH_CHECK(
-        W > 0.0 && invert_shape(b->active, K, R), PH_ESINGULAR,
+        regular, PH_ESINGULAR,
         "the family of the point at cell (%td, %td, %td) has too few nodes left for a "
         "gradient: give a larger horizon",
         at[0], at[1], at[2]);
@@ -153,18 +157,28 @@ static ph_status add_family_point(builder *b, const ptrdiff_t at[3], int32_t cel
     static const double nothing[3];
     ph_bondlist *l = b->list;
     int32_t node;
+    const ph_broken *broken = b->params->broken;
+    ptrdiff_t place = broken ? ph_i_broken_place(broken, cell) : -1;
     PH_TRY(start_point(b, cell, true, share, err));
     ptrdiff_t first = l->bonds;
     for (ptrdiff_t i = 0; i < fam->count; i++) {
         double xi[3];
         if (!node_at(b, at, fam->offset[i], &node)) continue;
+        if (place >= 0 && ph_i_is_broken(broken, place, i)) continue;
         for (int d = 0; d < 3; d++)
             xi[d] = b->active[d]
                         ? (fam->offset[i][d] - (stress ? 0.5 : 0.0)) * b->box->h[d]
                         : 0.0;
         PH_TRY(add_bond(b, node, nothing, xi, fam->w[i], err));
     }
-    PH_TRY(weigh_point(b, at, first, stress, err));
+    bool singular = false;
+    PH_TRY(weigh_point(b, at, first, stress, place >= 0 ? &singular : NULL, err));
+    if (singular) { /* it carries no stress: there is no such point */
+        l->bonds = first;
+        l->points--;
+        l->point[l->points].first = first;
+        return st;
+    }
     if (stress) return st;
     double g0[3] = {0};
     for (ptrdiff_t i = first; i < l->bonds; i++)

@@ -29,6 +29,11 @@ const ph_model_method *ph_i_model_find(const char *name)
     return NULL;
 }
 
+bool ph_i_has_cracks(const ph_problem *p)
+{
+    return p->cracks && p->cracks->count > 0;
+}
+
 void ph_i_note(ph_result *result, const char *fmt, ...)
 {
     if (!result || result->nnotes >= PH_MAX_NOTES) return;
@@ -46,6 +51,9 @@ static const double default_alpha = 1e-5, default_theta = 0.01, default_spacings
 /* Around voids a little more is more accurate; where nodes are held the preconditioner must
  * not reach far above the operator, or the mask mixes what it separates. */
 static const double void_theta = 0.05, bounded_alpha = 1e-4;
+/* Families that a crack cuts on one side see the modes that whole families do not, and the
+ * preconditioner must not lie far below them: docs/theory/cracks.md has what was measured. */
+static const double crack_alpha = 0.1, crack_spacings = 3.0;
 /* Fewer nodes than this along an axis, and a family of two spacings meets its images. */
 enum { FEW_NODES = 5 };
 
@@ -77,6 +85,10 @@ static ph_points choose_points(const ph_problem *p, const ph_stiffness_map *map,
 {
     if (p->model.points != PH_POINTS_AUTO) return p->model.points;
     const char *why = NULL;
+    if (ph_i_has_cracks(p)) {
+        ph_i_note(notes, "points: nodes (cracks cut bonds between nodes)");
+        return PH_POINTS_NODES;
+    }
     if (bounded)
         why = "their smallest family is exact at the faces of the RVE";
     else if (map->has_void)
@@ -104,8 +116,11 @@ static void choose_stabilisation(const ph_problem *p, const ph_stiffness_map *ma
     if (automatic)
         out->stabilisation = hard && points == PH_POINTS_STRESS ? PH_STABILISE_SUBPOINT
                                                                 : PH_STABILISE_SPECTRAL;
+    if (automatic && ph_i_has_cracks(p)) out->stabilisation = PH_STABILISE_SPECTRAL;
     if (out->value == 0.0 && out->stabilisation == PH_STABILISE_SPECTRAL)
-        out->value = bounded ? bounded_alpha : default_alpha;
+        out->value = ph_i_has_cracks(p) ? crack_alpha
+                     : bounded          ? bounded_alpha
+                                        : default_alpha;
     if (out->value == 0.0 && out->stabilisation == PH_STABILISE_SUBPOINT)
         out->value = map->has_void ? void_theta : default_theta;
     if (automatic)
@@ -116,14 +131,14 @@ static void choose_stabilisation(const ph_problem *p, const ph_stiffness_map *ma
 
 static double choose_horizon(const ph_problem *p, ph_points points)
 {
+    double spacings = ph_i_has_cracks(p) ? crack_spacings : default_spacings;
     const ph_grid *g = &p->micro->grid;
     if (p->model.horizon > 0.0)
         return p->model.horizon_is_length ? p->model.horizon
                                           : p->model.horizon * widest(g);
     double least =
         half_diagonal(g); /* zero: a single cell has no family, any length will do */
-    return points == PH_POINTS_STRESS && least > 0.0 ? least
-                                                     : default_spacings * widest(g);
+    return points == PH_POINTS_STRESS && least > 0.0 ? least : spacings * widest(g);
 }
 
 static const void *by_name(const ph_entry *first, size_t stride, size_t count,
@@ -203,6 +218,12 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
     memset(out, 0, sizeof *out);
     out->stabilisation = PH_STABILISE_NONE;
     PH_CHECK(model, PH_EINVAL, "unknown model '%s'", p->model.kind);
+    PH_CHECK(!ph_i_has_cracks(p) ||
+                 (model->has_family && p->model.points != PH_POINTS_STRESS &&
+                  p->model.stabilisation != PH_STABILISE_SUBPOINT),
+             PH_EINVAL,
+             "cracks cut bonds between nodes: take model nosb with points nodes and "
+             "without sub-points, or model bond");
     if (!model->has_family) return PH_OK;
     if (model->pairwise) return choose_bonds(p, out, family, notes, err);
     const char *influence = p->model.influence ? p->model.influence : "constant";

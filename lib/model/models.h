@@ -24,6 +24,9 @@ ph_status ph_i_model_choose(const ph_problem *problem, const ph_stiffness_map *m
                             bool bounded, ph_operator_params *params, ph_family **family,
                             ph_result *notes, ph_error *err);
 
+/** Does a problem have cracks, so that bonds break? */
+bool ph_i_has_cracks(const ph_problem *problem);
+
 /** A line of the result's notes. */
 void ph_i_note(ph_result *result, const char *fmt, ...) PH_PRINTF(2, 3);
 

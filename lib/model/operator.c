@@ -99,6 +99,7 @@ static ph_status new_spectral(ph_operator *op, double alpha, ph_error *err)
     }
     double trace = fam->K[0][0] + fam->K[1][1] + fam->K[2][2];
     double s = trace > 0.0 ? alpha * op->map->softest * dimensions(l) / trace : 0.0;
+    op->s = s;
     double(*w)[3] = NULL;
     PH_ALLOC(w, fam->count, "bond weights");
     for (ptrdiff_t b = 0; b < fam->count; b++)
@@ -197,14 +198,17 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
         PH_DOUBLES(op->f, meter, nd * cells, "a force field");
         PH_TRY(ph_i_springs_new(&op->layout, op->fft, p->family, p->classes, p->route,
                                 op->threads, meter, &op->springs, err));
+        op->springs->broken = p->broken;
         op->route = ph_i_springs_route(op->springs);
         op->share = 1.0;
         *out = op;
         return st;
     }
     op->route = choose_route(&op->layout, p);
-    op->shares_f =
-        op->route == PH_ROUTE_CONVOLUTION && p->stabilisation != PH_STABILISE_SUBPOINT;
+    PH_CHECK(!p->broken || p->stabilisation != PH_STABILISE_SUBPOINT, PH_EINVAL,
+             "sub-points know nothing of broken bonds: take stabilisation spectral");
+    op->shares_f = op->route == PH_ROUTE_CONVOLUTION &&
+                   p->stabilisation != PH_STABILISE_SUBPOINT && !p->broken;
     PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
     if (!op->shares_f) PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
@@ -223,6 +227,9 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
         PH_TRY(new_spectral(op, p->value, err));
     if (op->has_convolution || op->spectral)
         PH_DOUBLES(op->hat, meter, 2 * nd * (size_t)op->modes, "a transformed field");
+    if (p->broken)
+        PH_TRY(ph_i_damaged_new(&op->layout, p->broken, op->s, op->threads, meter,
+                                &op->damaged, err));
     if (op->stencil || op->nsub)
         PH_DOUBLES(op->pad, meter, (size_t)pad_size(op), "padded rows");
     *out = op;
@@ -243,6 +250,7 @@ void ph_i_operator_free(ph_operator **out)
     ph_i_stencil_free(&op->stencil);
     ph_i_bondlist_free(&op->bonds);
     ph_i_springs_free(&op->springs);
+    ph_i_damaged_free(&op->damaged);
     for (int i = 0; i < op->nsub; i++)
         ph_i_stencil_free(&op->sub[i]);
     ph_i_doubles_free(op->meter, &op->u, nd * cells);
@@ -261,6 +269,7 @@ void ph_i_operator_stabilise(ph_operator *op, double factor)
     op->stabilise = factor;
     if (op->has_cells) op->cells.hourglass = factor * op->hourglass;
     if (op->bonds) op->bonds->s = factor * op->hourglass;
+    if (op->damaged) op->damaged->s = factor * op->s;
 }
 
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat)
@@ -317,20 +326,30 @@ static void scale_field(const ph_operator *op, double s, ptrdiff_t n, double *x)
         x[i] *= s;
 }
 
+/* Stresses of the strains in op->e, those of damaged nodes with the damaged. */
+static void make_stress(ph_operator *op)
+{
+    ph_i_hooke_field(op->map, op->threads, op->e, op->e);
+    if (op->damaged) ph_i_damaged_take(op->damaged, op->e);
+}
+
 static void apply_convolution_hat(ph_operator *op, const double *uhat, double *fhat)
 {
-    ph_i_convolution_strain(&op->convolution, uhat, op->share / (double)op->layout.cells,
-                            op->e);
-    ph_i_hooke_field(op->map, op->threads, op->e, op->e);
-    ph_i_convolution_divergence(&op->convolution, op->e, fhat);
-    if (!op->nsub) return;
-    /* fhat += F(sub-point forces); the forces of each component pass through op->f. */
+    const double back = 1.0 / (double)op->layout.cells;
     double *work = op->convolution.work;
-    for (int a = 0; a < op->layout.nd; a++)
+    bool in_space = op->nsub || op->damaged;
+    for (int a = 0; in_space && a < op->layout.nd; a++)
         ph_i_fft_backward(op->fft, uhat + 2 * a * op->modes, work,
                           op->u + a * op->layout.cells);
+    ph_i_convolution_strain(&op->convolution, uhat, op->share * back, op->e);
+    if (op->damaged) ph_i_damaged_strain(op->damaged, op->u, NULL, back, op->e);
+    make_stress(op);
+    ph_i_convolution_divergence(&op->convolution, op->e, fhat);
+    if (!in_space) return;
+    /* fhat += F(forces made in space); those of each component pass through op->f. */
     memset(op->f, 0, sizeof(double) * (size_t)(op->layout.nd * op->layout.cells));
-    add_subpoints(op, op->u, NULL, 1.0 / (double)op->layout.cells, op->f);
+    if (op->nsub) add_subpoints(op, op->u, NULL, back, op->f);
+    if (op->damaged) ph_i_damaged_scatter(op->damaged, 1.0, op->u, back, op->f);
     for (int a = 0; a < op->layout.nd; a++) {
         ph_i_fft_forward(op->fft, op->f + a * op->layout.cells, work);
         for (ptrdiff_t k = 0; k < 2 * op->modes; k++)
@@ -356,8 +375,10 @@ static void apply_in_space(ph_operator *op, const double *u, const double *macro
         return;
     }
     ph_i_stencil_strain(op->stencil, u, macro, op->pad, op->e);
-    ph_i_hooke_field(op->map, op->threads, op->e, op->e);
+    if (op->damaged) ph_i_damaged_strain(op->damaged, u, macro, 1.0, op->e);
+    make_stress(op);
     ph_i_stencil_divergence(op->stencil, op->e, scale * op->share, false, op->pad, f);
+    if (op->damaged) ph_i_damaged_scatter(op->damaged, scale, u, scale, f);
     add_subpoints(op, u, macro, scale, f);
 }
 
@@ -375,6 +396,11 @@ void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat)
         ph_i_operator_forward(op, op->f, fhat);
     }
     add_diagonal(op, uhat, fhat);
+}
+
+ph_status ph_i_operator_update(ph_operator *op, ph_error *err)
+{
+    return op->damaged ? ph_i_damaged_update(op->damaged, err) : PH_OK;
 }
 
 ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err)
@@ -418,7 +444,8 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
     for (int i = 0; i < l->ns; i++)
         for (ptrdiff_t x = 0; x < l->cells; x++)
             op->e[i * l->cells + x] = macro[i];
-    ph_i_hooke_field(op->map, op->threads, op->e, op->e);
+    if (op->damaged) ph_i_damaged_strain(op->damaged, NULL, macro, 1.0, op->e);
+    make_stress(op);
     if (op->has_convolution) {
         ph_i_convolution_divergence(&op->convolution, op->e, op->hat);
         ph_i_operator_backward(op, op->hat, op->hat, f);
@@ -426,6 +453,7 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
     } else {
         ph_i_stencil_divergence(op->stencil, op->e, -op->share, false, op->pad, f);
     }
+    if (op->damaged) ph_i_damaged_scatter(op->damaged, -1.0, NULL, 0.0, f);
     if (!op->nsub) return;
     memset(op->u, 0, sizeof(double) * (size_t)n);
     add_subpoints(op, op->u, macro, -1.0, f);

@@ -10,6 +10,7 @@
 #include "model/bondlist.h"
 #include "model/cells.h"
 #include "model/convolution.h"
+#include "model/damaged.h"
 #include "model/operator_params.h"
 #include "model/springs.h"
 #include "model/stencil.h"
@@ -32,9 +33,11 @@ typedef struct ph_operator {
     ph_convolution convolution;
     int nsub; /* (P) of nodes: one-sided simplices of each node */
     ph_stencil *sub[8];
-    double *spectral; /* [modes] S(k), or NULL */
-    double stabilise; /* factor of every term of (S), see ph_i_operator_stabilise */
-    double hourglass; /* that of the cells, and of the bond lists, at factor 1 */
+    double *spectral;    /* [modes] S(k), or NULL */
+    double stabilise;    /* factor of every term of (S), see ph_i_operator_stabilise */
+    double hourglass;    /* that of the cells, and of the bond lists, at factor 1 */
+    double s;            /* its coefficient */
+    ph_damaged *damaged; /* nodes that have lost bonds, or NULL */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */
     bool shares_f;      /* f is the beginning of e */
@@ -51,6 +54,11 @@ void ph_i_operator_free(ph_operator **out);
 
 /** Multiply the coefficient of (S) that the operator was made with. @param factor >= 0 */
 void ph_i_operator_stabilise(ph_operator *op, double factor);
+
+/** Take in bonds that have broken since the operator was made, or since the last call: only
+ *  their nodes are made anew. Not of the route `bonds`, whose lists are made once.
+ *  @return PH_OK; PH_ENOMEM */
+ph_status ph_i_operator_update(ph_operator *op, ph_error *err);
 
 /** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
 void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);

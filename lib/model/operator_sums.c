@@ -18,13 +18,15 @@ void ph_i_operator_strain(ph_operator *op, const double *u, const double *macro,
     }
     if (op->stencil) {
         ph_i_stencil_strain(op->stencil, u, macro, op->pad, strain);
-        return;
+    } else {
+        ph_i_operator_forward(op, u, op->hat);
+        ph_i_convolution_strain(&op->convolution, op->hat, 1.0 / (double)l->cells,
+                                strain);
+        for (int i = 0; macro && i < l->ns; i++)
+            for (ptrdiff_t x = 0; x < l->cells; x++)
+                strain[i * l->cells + x] += macro[i];
     }
-    ph_i_operator_forward(op, u, op->hat);
-    ph_i_convolution_strain(&op->convolution, op->hat, 1.0 / (double)l->cells, strain);
-    for (int i = 0; macro && i < l->ns; i++)
-        for (ptrdiff_t x = 0; x < l->cells; x++)
-            strain[i * l->cells + x] += macro[i];
+    if (op->damaged) ph_i_damaged_strain(op->damaged, u, macro, 1.0, strain);
 }
 
 ph_status ph_i_operator_fields(ph_operator *op, const double *u, const double *macro,
@@ -113,6 +115,7 @@ ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *mac
         }
     }
     if (!op->spectral || op->stabilise == 0.0) return PH_OK;
+    if (op->damaged) energy->stabilisation += ph_i_damaged_energy(op->damaged, u);
     ph_i_operator_forward(op, u, op->hat);
     ptrdiff_t row = ph_i_fft_row(op->fft);
     for (int a = 0; a < l->nd; a++)

@@ -20,6 +20,7 @@
 
 #include "model/bond_classes.h"
 #include "model/bondlist.h"
+#include "space/broken.h"
 #include "space/fft.h"
 
 enum { PH_SPRING_TERMS = 8 }; /* more classes than this: one term and a longer rest */
@@ -43,6 +44,7 @@ typedef struct ph_springs {
     ptrdiff_t modes;
     const ph_family *family;        /* borrowed */
     const ph_bond_classes *classes; /* borrowed */
+    const ph_broken *broken;        /* borrowed: springs without stiffness, or NULL */
     bool by_fft, plain;             /* plain: the sum over bonds, from the definition */
     int (*o)[3];                    /* [family->count] offsets along the loops */
     int terms;
@@ -119,6 +121,17 @@ static inline const double *ph_i_springs_line(const ph_springs *s, int field, pt
 void ph_i_springs_pad(ph_springs *s, int field, const double *u);
 /** y = cell that bond b leads to from x. */
 ptrdiff_t ph_i_springs_end(const ph_springs *s, ptrdiff_t x, ptrdiff_t b);
+/** Modulus of bond b of x, which leads to y; 0 where it is broken. */
+double ph_i_springs_modulus(const ph_springs *s, ptrdiff_t x, ptrdiff_t b, ptrdiff_t y);
+/** What damaged nodes have of a field, from their intact springs, instead of what the fast
+ *  routes gave them: a broken spring has two damaged ends, so that all other rows are right.
+ *  Arguments as those of ph_i_springs_apply, _load and _fields. */
+void ph_i_springs_damaged_apply(const ph_springs *s, const double *u, double scale,
+                                double *f);
+void ph_i_springs_damaged_load(const ph_springs *s, const double *macro, double *f);
+void ph_i_springs_damaged_fields(const ph_springs *s, const double *u,
+                                 const double *macro, double *stress, double *strain,
+                                 double *energy);
 /** xi . macro . xi */
 double ph_i_springs_stretch(int nd, const double *xi, const double *macro);
 

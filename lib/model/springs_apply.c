@@ -206,6 +206,7 @@ void ph_i_springs_apply(ph_springs *s, const double *u, double scale, double *f)
                 f[a * n + x] -= back * v[x] * s->w[a * n + x];
     }
     rest(s, u, scale, f);
+    ph_i_springs_damaged_apply(s, u, scale, f);
 }
 
 /* ---- loads ----------------------------------------------------------------------------- */
@@ -271,6 +272,7 @@ void ph_i_springs_load(ph_springs *s, const double *macro, double *f)
             for (int a = 0; a < nd; a++)
                 f[a * cells + x] += t * xi[a];
         }
+    ph_i_springs_damaged_load(s, macro, f);
 }
 
 /* ---- what every node holds ------------------------------------------------------------- */
@@ -429,6 +431,7 @@ ph_status ph_i_springs_fields(ph_springs *s, const double *u, const double *macr
             if (strain) strain_line(s, i, j, (const double(*)[3])g, macro, strain);
         }
     if (stress || energy) stress_rest(s, u, macro, stress, energy);
+    ph_i_springs_damaged_fields(s, u, macro, stress, strain, energy);
 out:
     free(g);
     return st;

@@ -19,7 +19,7 @@ void ph_i_springs_plain_apply(const ph_springs *s, const double *u, double *f)
             double t = 0.0;
             for (int a = 0; a < nd; a++)
                 t += xi[a] * (u[a * n + x] - u[a * n + y]);
-            t *= s->family->w[b] * ph_i_bond_modulus(s->classes, x, y);
+            t *= s->family->w[b] * ph_i_springs_modulus(s, x, b, y);
             for (int a = 0; a < nd; a++)
                 sum[a] += t * xi[a];
         }
@@ -79,7 +79,7 @@ static void fill_column(column *c, ptrdiff_t x)
     double own[9] = {0};
     for (ptrdiff_t b = 0; b < s->family->count; b++) {
         ptrdiff_t y = ph_i_springs_end(s, x, b);
-        double k = s->family->w[b] * ph_i_bond_modulus(s->classes, x, y);
+        double k = s->family->w[b] * ph_i_springs_modulus(s, x, b, y);
         if (k == 0.0 || y == x) continue;
         double *block = block_of(c, y);
         for (int i = 0; i < nd; i++)
@@ -231,7 +231,7 @@ void ph_i_springs_reactions(const ph_springs *s, const ptrdiff_t first[3],
             pull = ph_i_springs_stretch(nd, xi, macro);
             for (int a = 0; a < nd; a++)
                 pull += xi[a] * (u[a * cells + y] - u[a * cells + x]);
-            pull *= 0.5 * s->family->w[b] * ph_i_bond_modulus(s->classes, x, y);
+            pull *= 0.5 * s->family->w[b] * ph_i_springs_modulus(s, x, b, y);
             for (int c = 0; c < nd; c++)
                 for (int a = 0; a < 3; a++)
                     if (s->layout.axis[a] >= 0)

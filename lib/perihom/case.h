@@ -139,6 +139,42 @@ typedef struct ph_case_viscoelastic {
     ph_history *history;         /* owned; or NULL */
 } ph_case_viscoelastic;
 
+typedef enum ph_crack_kind {
+    PH_CRACKS_LINE,    /* from, to or points */
+    PH_CRACKS_ELLIPSE, /* disk and ellipse */
+    PH_CRACKS_POLYGON,
+    PH_CRACKS_RANDOM /* a population: lines in 2D, disks in 3D */
+} ph_crack_kind;
+
+/** An entry of `cracks` of a case file. Lengths in case units, angles in degrees. */
+typedef struct ph_crack_entry {
+    int line;
+    ph_crack_kind kind;
+    ptrdiff_t npoints; /* line, polygon */
+    double (*point)[3];
+    bool disk;                   /* ellipse: with one radius */
+    double centre[3], normal[3]; /* ellipse; random in 3D: aligned along normal */
+    double axis[3];              /* ellipse: of the first semi-axis; NaN: any */
+    double semi_axes[2];         /* ellipse */
+    double density;              /* random; NaN: not given */
+    ptrdiff_t count;             /* random; -1: not given */
+    ph_distribution length;      /* random: tip to tip, or diameter */
+    bool aligned;                /* random, else any direction */
+    double angle;                /* random, 2D, aligned: to axis 1 */
+} ph_crack_entry;
+
+/** `sequence` of a case file. */
+typedef struct ph_sequence_entry {
+    int line;
+    ph_sequence_kind kind;
+    int nsteps;
+    double *value;   /* [nsteps] */
+    double range[3]; /* growth: from, step, to as they were given; NaN: a list was */
+    ph_crack_tip tip;
+    ptrdiff_t nwhich; /* growth: entries of `cracks` that grow; 0: all */
+    int *which;
+} ph_sequence_entry;
+
 /** A case file, parsed and checked. Owns its arrays; everything else is a value. */
 typedef struct ph_case {
     char path[512];   /* as given, or "" */
@@ -158,6 +194,9 @@ typedef struct ph_case {
     ph_inclusion *inclusions;
     int nfillers;
     ph_filler *fillers; /* painted after the inclusions */
+    ptrdiff_t ncracks;
+    ph_crack_entry *cracks;
+    ph_sequence_entry sequence;
     ph_voxels voxels;
     ph_interface interface;
     uint64_t seed;

@@ -3,6 +3,7 @@
 #define PERIHOM_HOMOGENISE_H
 
 #include <perihom/bond.h>
+#include <perihom/damage.h>
 #include <perihom/family.h>
 
 #ifdef __cplusplus
@@ -26,7 +27,7 @@ typedef struct ph_model_params {
     const char *kind; /* in ph_models[]: "nosb" (NULL), "local", "bond" */
     ph_points points; /* of nosb */
     double horizon;   /* 0: default (2 spacings for nodes, smallest for stress points;
-                       * bond: 3 spacings) */
+                       * bond and nodes with cracks: 3 spacings) */
     bool horizon_is_length; /* else in spacings, the widest one */
     const char *influence;  /* in ph_influences[]; NULL: "constant" */
     const char *weights;    /* in ph_volume_weights[]; NULL: "linear", bond: "exact" */
@@ -67,8 +68,10 @@ typedef struct ph_problem {
     ph_model_params model;
     ph_constraint_params constraint;
     ph_solver_params solver;
-    unsigned loads;   /* bit a: solve macro strain a; 0: all */
-    bool keep_fields; /* keep displacement, strain, stress of each load */
+    unsigned loads;              /* bit a: solve macro strain a; 0: all */
+    bool keep_fields;            /* keep displacement, strain, stress of each load */
+    const ph_cracks *cracks;     /* NULL or none: no bond is broken */
+    const ph_sequence *sequence; /* of the cracks; NULL: as they are */
 } ph_problem;
 
 /** The fields of one load case on the RVE, component first: [component][cell], for one unit
@@ -132,6 +135,7 @@ typedef struct ph_result {
     long ffts;                   /* scalar real transforms */
 
     ph_bond_report bond;
+    ph_damage *damage; /* with cracks; the stiffness above is that of the last step */
 
     double seconds, seconds_solve;
     size_t peak_bytes; /* of the solver's own arrays */

@@ -22,6 +22,11 @@ extern "C" {
 PH_API ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
                                    const char *command, char **json, ph_error *err);
 
+/** The steps of damage as a table, one row a step: value, density, C11 .. (Voigt, upper
+ *  triangle), psi1 .., anisotropy_index, mean_damage, counts. The text is malloc'd.
+ *  @return PH_OK; PH_ENOMEM. Tested: tests/unit/test_cracks.c */
+PH_API ph_status ph_damage_to_csv(const ph_damage *damage, char **text, ph_error *err);
+
 /** Write text to a file so that a reader sees the old file or the new one, never half: a
  *  temporary file in the same folder, fsync, rename. A symbolic link is followed; a device
  *  or a pipe (/dev/stdout) is written in place.

@@ -19,6 +19,7 @@ typedef struct ph_cg_report {
     int max_iterations;
     const ph_ctx *ctx;
     int load, loads; /* for the progress callback */
+    bool guessed;    /* in: the solution holds a first guess; solvers may ignore it */
     int iterations;  /* out */
     double residual; /* out: relative */
     /* Energy of the error, (x - x_k).A.(x - x_k). Conjugate gradients lower it by
@@ -26,7 +27,7 @@ typedef struct ph_cg_report {
      * Gauss-Radau bounds what is left from above [Golub2010] ch. 12, [Meurant2013]. */
     double least;       /* in: 0: no bound is known, and energy_left is not set */
     double energy_most; /* in: stop as well once energy_left is not above; 0: do not */
-    double energy;      /* out: x_k.A.x_k = x.A.x - energy_left */
+    double energy; /* out: x_k.A.x_k = x.A.x - energy_left, where nothing is guessed */
     double energy_left; /* out: upper bound, or 0 where a solver is not this one */
 } ph_cg_report;
 
@@ -36,9 +37,9 @@ bool ph_i_told_to_stop(const ph_cg_report *report);
 ph_status ph_i_give_up(ph_status status, const ph_cg_report *report, const char *why,
                        ph_error *err);
 
-/** Solve A x = b from x = 0.
+/** Solve A x = b from x = 0, or from the x given where the report says `guessed`.
  *  @param[in,out] r  the right-hand side b; ends as the residual
- *  @param[out] x     solution, zeroed by the call
+ *  @param[in,out] x  solution
  *  @param p, q       work vectors
  *  @return PH_OK; PH_ENOCONV with the best iterate in x; PH_ESINGULAR if A is not
  *          positive semidefinite or b does not belong to it; PH_ECANCELLED. */

@@ -125,6 +125,15 @@ void ph_i_fft_cg_enter(void *state, const double *load, double *r)
         r[2 * a * s->op->modes] = r[2 * a * s->op->modes + 1] = 0.0;
 }
 
+static void enter_guess(fft_cg *s, const double *u, double *x)
+{
+    const ph_layout *l = &s->op->layout;
+    if (s->fixed)
+        memcpy(x, u, sizeof(double) * (size_t)(l->nd * l->cells));
+    else
+        ph_i_operator_forward(s->op, u, x);
+}
+
 void ph_i_fft_cg_leave(void *state, const double *x, double *work, double *u)
 {
     fft_cg *s = state;
@@ -142,6 +151,7 @@ ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
     double *v[4];
     ph_i_fft_cg_parts(state, &system, v);
     ph_i_fft_cg_enter(state, load, v[1]);
+    if (report->guessed) enter_guess(state, u, v[0]);
     /* Products of unnormalised transforms are so many times those of the fields. */
     const fft_cg *s = state;
     double scale = s->fixed ? 1.0 : (double)s->op->layout.cells;

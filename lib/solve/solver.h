@@ -18,12 +18,14 @@ typedef struct ph_system {
 
 typedef struct ph_solver_method {
     ph_entry info;
+    bool keeps_matrix; /* init looks at the entries: again when bonds have broken */
     /* NULL, or why this solver cannot take this system */
     const char *(*refuses)(const ph_system *system);
     ph_status (*init)(const ph_system *system, void **state, ph_error *err);
     /* A u = load on the free nodes, u = 0 on the others; real space [nd][cells]. `load` may
      * be op->f and `u` op->u, the operator's own work fields: take what is needed of `load`
-     * before the operator is applied, and write `u` last. */
+     * before the operator is applied, and write `u` last. Where report->guessed, u holds a
+     * first guess, which may be taken or ignored. */
     ph_status (*solve)(void *state, const double *load, double *u, ph_cg_report *report,
                        ph_error *err);
     void (*free)(void **state);

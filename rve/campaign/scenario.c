@@ -72,6 +72,7 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
     ph_status st = PH_OK;
     double start = now();
     ph_microstructure *micro = NULL;
+    ph_crack_plan *plan = NULL;
     ph_result *result = NULL;
     ph_evaluation e = {0};
     PH_CHECK(out, PH_EINVAL, "NULL evaluation");
@@ -79,11 +80,14 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
     ph_case mine = *s->c; /* borrows the arrays of the case */
     mine.realisation = s->realisation;
     PH_TRY(ph_rve_build(&mine, &micro, err));
+    PH_TRY(ph_rve_cracks(&mine, &plan, err));
     ph_problem problem = {.micro = micro,
                           .interface = mine.interface,
                           .model = mine.model,
                           .constraint = mine.constraint,
                           .solver = mine.solver,
+                          .cracks = &plan->cracks,
+                          .sequence = &plan->sequence,
                           .loads = ph_scenario_loads(s)};
     /* No load: the bounds need none, and the result has the fractions. */
     if (problem.loads == 0) problem.constraint = (ph_constraint_params){.kind = "voigt"};
@@ -96,6 +100,7 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
     *out = e;
 out:
     ph_result_free(&result);
+    ph_crack_plan_free(&plan);
     ph_microstructure_free(&micro);
     return st;
 }

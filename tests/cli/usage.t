@@ -19,8 +19,8 @@ $ perihom rnu small.yaml
 ! 'perihom help' lists the verbs
 ? 2
 
-$ perihom calibrate small.yaml
-! perihom: unknown verb 'calibrate'*
+$ perihom optimise small.yaml
+! perihom: unknown verb 'optimise'*
 ! 'perihom help' lists the verbs
 ? 2
 

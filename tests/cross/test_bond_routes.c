@@ -123,7 +123,7 @@ static void plain_load(const ph_springs *s, const double *macro, double *f)
         for (ptrdiff_t b = 0; b < s->family->count; b++) {
             const double *xi = s->family->xi[b];
             double t = s->family->w[b] *
-                       ph_i_bond_modulus(s->classes, x, ph_i_springs_end(s, x, b)) *
+                       ph_i_springs_modulus(s, x, b, ph_i_springs_end(s, x, b)) *
                        ph_i_springs_stretch(s->layout.nd, xi, macro);
             for (int a = 0; a < s->layout.nd; a++)
                 f[a * n + x] += t * xi[a];
@@ -170,6 +170,30 @@ static void compare(medium *m, ph_route route, uint64_t *seed)
     ph_i_operator_free(&op);
 }
 
+/* The same with springs broken at random, all of them at some nodes. */
+static void routes_agree_broken(void **state)
+{
+    (void)state;
+    uint64_t seed = check_seed();
+    ph_error err = PH_ERROR_INIT;
+    for (size_t i = 0; i < SHAPES; i++) {
+        medium m = new_medium(&seed, i, 0.5, true, 0.1);
+        ph_broken *broken = NULL;
+        CHECK_OK(ph_i_broken_new(&m.micro->grid, m.family, &m.meter, &broken, &err));
+        for (ptrdiff_t x = 0; broken && x < ph_grid_cells(&m.micro->grid); x++)
+            for (ptrdiff_t b = 0; b < m.family->count; b++)
+                if (check_random(&seed) < 0.2 || x % 9 == 0)
+                    CHECK_OK(ph_i_break(broken, x, b, &err));
+        CHECK_OK(ph_i_broken_settle(broken, &err));
+        m.params.broken = broken;
+        compare(&m, PH_ROUTE_STENCIL, &seed);
+        compare(&m, PH_ROUTE_CONVOLUTION, &seed);
+        ph_i_broken_free(&broken);
+        free_medium(&m);
+    }
+    CHECK_END();
+}
+
 static void routes_agree(void **state)
 {
     (void)state;
@@ -188,6 +212,7 @@ static void routes_agree(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(routes_agree)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(routes_agree),
+                                       cmocka_unit_test(routes_agree_broken)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Cracks step by step: cut, take the damaged nodes in, solve from the fields of the step
+ * before, keep what came out. */
+#include "effective/run.h"
+
+#include <math.h>
+#include <string.h>
+
+void ph_damage_free(ph_damage **damage)
+{
+    if (!damage || !*damage) return;
+    free((*damage)->step);
+    free((*damage)->field);
+    free(*damage);
+    *damage = NULL;
+}
+
+/* ---- which cracks a step has ------------------------------------------------------------- */
+
+static ph_status copy_crack(ph_cracks *to, const ph_cracks *from, ptrdiff_t i,
+                            ph_error *err)
+{
+    const ph_crack *k = &from->crack[i];
+    const double(*v)[3] = (const double(*)[3])(from->vertex + k->first);
+    if (k->shape == PH_CRACK_LINE) return ph_cracks_add_line(to, k->count, v, err);
+    if (k->shape == PH_CRACK_POLYGON) return ph_cracks_add_polygon(to, k->count, v, err);
+    return ph_cracks_add_grown(to, from, i, PH_TIP_BOTH, 2.0 * k->semi_axes[0], err);
+}
+
+/* How many cracks have the density that is the nearest to the one asked for. */
+static ptrdiff_t cracks_of_density(const ph_cracks *all, const ph_grid *g,
+                                   ptrdiff_t first, double value)
+{
+    ph_cracks part = *all; /* borrowed, only counted */
+    ptrdiff_t best = first;
+    double nearest = INFINITY;
+    for (part.count = first; part.count <= all->count; part.count++) {
+        double off = fabs(ph_cracks_density(&part, g) - value);
+        if (off >= nearest) continue;
+        nearest = off;
+        best = part.count;
+    }
+    return best;
+}
+
+static ph_status cracks_of_step(const ph_problem *p, int step, ph_cracks *out,
+                                ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_cracks *all = p->cracks;
+    const ph_sequence *q = p->sequence;
+    ptrdiff_t count = all->count;
+    if (q && q->kind == PH_SEQUENCE_DENSITY)
+        count = cracks_of_density(all, &p->micro->grid, q->first, q->value[step]);
+    for (ptrdiff_t i = 0; i < count; i++)
+        if (q && q->kind == PH_SEQUENCE_GROWTH && q->grows[i])
+            PH_TRY(ph_cracks_add_grown(out, all, i, q->tip, q->value[step], err));
+        else
+            PH_TRY(copy_crack(out, all, i, err));
+out:
+    return st;
+}
+
+static ph_status check_sequence(const ph_problem *p, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_sequence *q = p->sequence;
+    if (!q || q->kind == PH_SEQUENCE_NONE) return PH_OK;
+    PH_CHECK(q->nsteps > 0 && q->value, PH_EINVAL, "a sequence has no steps");
+    PH_CHECK(q->kind != PH_SEQUENCE_GROWTH || q->grows, PH_EINVAL,
+             "a sequence says of no crack that it grows");
+    PH_CHECK(q->first >= 0 && q->first <= p->cracks->count, PH_EINVAL,
+             "a sequence begins with %td of %td cracks", q->first, p->cracks->count);
+    for (int i = 0; i < q->nsteps; i++) {
+        double least = i ? q->value[i - 1] : 0.0;
+        PH_CHECK(q->value[i] >= least && isfinite(q->value[i]), PH_EINVAL,
+                 "step %d of a sequence is %g after %g: bonds do not heal", i + 1,
+                 q->value[i], least);
+    }
+out:
+    return st;
+}
+
+/* ---- a step ------------------------------------------------------------------------------ */
+
+static ph_status solve_step(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    r->result->nloads = 0;
+    r->result->loads = 0;
+    r->result->converged = false;
+    PH_TRY(ph_i_run_loads(r, err));
+    PH_TRY(ph_i_run_stiffness(r, err));
+out:
+    return st;
+}
+
+/* Node of the RVE at a node of the box, or -1. */
+static ptrdiff_t node_of_rve(const ph_run *r, ptrdiff_t node)
+{
+    const ptrdiff_t *n = r->setting.box.n, *rve = r->result->grid.n;
+    ptrdiff_t at[3] = {node / n[2] / n[1], node / n[2] % n[1], node % n[2]}, x = 0;
+    for (int d = 0; d < 3; d++) {
+        ptrdiff_t i = at[d] - r->setting.first[d];
+        if (i < 0 || i >= rve[d]) return -1;
+        x = x * rve[d] + i;
+    }
+    return x;
+}
+
+/* Too few bonds for a gradient; of springs, none at all. */
+static bool is_mute(const ph_run *r, ptrdiff_t place)
+{
+    double inverse[6];
+    if (r->classes) return ph_i_broken_damage(r->broken, place) >= 1.0;
+    return !ph_i_broken_shape(r->broken, place, inverse);
+}
+
+static void count_damage(const ph_run *r, ph_damage_step *s)
+{
+    const ph_broken *br = r->broken;
+    double *field = r->result->damage->field, sum = 0.0;
+    s->broken_bonds = br->pairs;
+    for (ptrdiff_t i = 0; i < br->damaged; i++) {
+        ptrdiff_t x = node_of_rve(r, br->node[i]);
+        if (x < 0) continue;
+        field[x] = ph_i_broken_damage(br, i);
+        sum += field[x];
+        s->damaged_nodes++;
+        s->mute_nodes += is_mute(r, i);
+    }
+    s->mean_damage = sum / (double)ph_grid_cells(&r->result->grid);
+}
+
+static void record(const ph_run *r, ph_damage_step *s)
+{
+    const ph_result *res = r->result;
+    int axes = res->stiffness.n == 6 ? 3 : 2;
+    bool whole = res->loads == ph_i_run_all_loads(res);
+    s->stiffness = res->stiffness;
+    s->anisotropy = whole ? ph_anisotropy_index(&res->stiffness) : (double)NAN;
+    for (int n = 0; n < axes; n++)
+        s->psi[n] = !whole ? (double)NAN
+                           : ph_axial_modulus(&res->stiffness, n) /
+                                 ph_axial_modulus(&res->damage->pristine, n);
+    for (int i = 0; i < res->nloads; i++) {
+        s->iterations += res->iterations[i];
+        s->residual = fmax(s->residual, res->residual[i]);
+    }
+}
+
+static ph_status take_step(ph_run *r, int number, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_problem *p = r->problem;
+    ph_damage_step *s = &r->result->damage->step[number];
+    ph_cracks cracks = {0};
+    bool outside = r->setting.source && p->constraint.collar == PH_COLLAR_MATRIX;
+    PH_TRY(cracks_of_step(p, number, &cracks, err));
+    PH_TRY(ph_i_cracks_cut(&cracks, &r->result->grid, r->setting.first, outside,
+                           r->broken, err));
+    PH_TRY(ph_i_run_rebuild(r, err));
+    s->value = p->sequence && p->sequence->kind != PH_SEQUENCE_NONE
+                   ? p->sequence->value[number]
+                   : (double)NAN;
+    s->density = ph_cracks_density(&cracks, &r->result->grid);
+    count_damage(r, s);
+    PH_TRY(solve_step(r, err));
+    record(r, s);
+out:
+    ph_cracks_free(&cracks);
+    return st;
+}
+
+ph_status ph_i_run_damage(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_problem *p = r->problem;
+    const ph_sequence *q = p->sequence;
+    ph_damage *d = NULL;
+    bool kept = r->keep_fields;
+    size_t n = (size_t)(r->op->layout.nd * r->op->layout.cells);
+    PH_TRY(check_sequence(p, err));
+    PH_ALLOC(d, 1, "the damage");
+    r->result->damage = d;
+    d->kind = q ? q->kind : PH_SEQUENCE_NONE;
+    d->nsteps = d->kind == PH_SEQUENCE_NONE ? 1 : q->nsteps;
+    PH_ALLOC(d->step, d->nsteps, "steps");
+    PH_ALLOC(d->field, ph_grid_cells(&r->result->grid), "the damage field");
+    r->keep_fields = false;
+    PH_TRY(solve_step(r, err));
+    d->pristine = r->result->stiffness;
+    for (int a = 0; a < r->map->ns; a++)
+        if (r->result->loads >> a & 1 && d->nsteps > 1)
+            PH_DOUBLES(r->first[a], &r->meter, n, "a first guess");
+    for (int i = 0; i < d->nsteps; i++) {
+        r->keep_fields = kept && i == d->nsteps - 1;
+        PH_TRY(take_step(r, i, err));
+    }
+out:
+    return st;
+}

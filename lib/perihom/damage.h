@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PERIHOM_DAMAGE_H
+#define PERIHOM_DAMAGE_H
+
+#include <perihom/crack.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What changes from step to step. */
+typedef enum ph_sequence_kind {
+    PH_SEQUENCE_NONE,   /* the cracks as they are: one step */
+    PH_SEQUENCE_GROWTH, /* some cracks have a new length in every step */
+    PH_SEQUENCE_DENSITY /* more and more of the cracks are there */
+} ph_sequence_kind;
+
+/** Steps of prescribed damage. Bonds do not heal: values must not fall. Borrows its arrays. */
+typedef struct ph_sequence {
+    ph_sequence_kind kind;
+    int nsteps;
+    const double
+        *value;        /* [nsteps] crack length (each growing crack), or crack density */
+    const bool *grows; /* growth: [cracks->count] */
+    ph_crack_tip tip;  /* growth */
+    ptrdiff_t first;   /* density: cracks before this one are always there and count; of
+                          * the others the first so many that the density of the set is the
+                          * nearest to the value */
+} ph_sequence;
+
+typedef struct ph_damage_step {
+    double value;       /* of the sequence; NaN without one */
+    double density;     /* ph_cracks_density of the cracks that are there */
+    ph_sym4 stiffness;  /* secant, Mandel */
+    double psi[3];      /* E_n of this step over E_n without cracks, as many as axes */
+    double anisotropy;  /* of the stiffness, ph_anisotropy_index */
+    double mean_damage; /* over the nodes of the RVE: weight of broken bonds over all */
+    ptrdiff_t broken_bonds, damaged_nodes;
+    ptrdiff_t mute_nodes; /* carry no stress: too few bonds are left */
+    int iterations;       /* of all loads */
+    double residual;      /* the worst of the loads */
+} ph_damage_step;
+
+/** What cracks did. Owns its arrays. */
+typedef struct ph_damage {
+    ph_sequence_kind kind;
+    ph_sym4 pristine; /* without cracks, Mandel */
+    int nsteps;
+    ph_damage_step *step;
+    double *field; /* [cells of the RVE] damage of every node in the last step, 0 .. 1 */
+} ph_damage;
+
+PH_API void ph_damage_free(ph_damage **damage);
+
+/** Elastic anisotropy index of a stiffness, 0 if and only if it is isotropic.
+ *
+ *  2D (n = 3):  A^2 = [1/4 (C11+C22+2C12)(S11+S22+2S12) - 1]^2
+ *                   + 2 [1/16 (C11+C22-2C12+4C66)(S11+S22-2S12+S66) - 1]^2
+ *  3D (n = 6):  the universal log-Euclidean one: A^2 = [ln KV/KR]^2 + 5 [ln GV/GR]^2
+ *
+ *  The source of the 2D index prints 1/6 for 1/16, which does not vanish for an isotropic
+ *  tensor. Infinity where the stiffness has no inverse.
+ *  Ref: 2D [Galadima2023] (7-1) after [Li2020]; 3D [Kube2016]. */
+PH_API double ph_anisotropy_index(const ph_sym4 *stiffness);
+/** Young's modulus along axis n = 0, 1, 2 (2D: 0, 1) of a stiffness that may be singular:
+ *  the least energy of a unit strain n with all other strains free, 0 if it costs nothing. */
+PH_API double ph_axial_modulus(const ph_sym4 *stiffness, int axis);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
