@@ -151,9 +151,9 @@ ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err)
         p->start[i] = p->cracks.count;
         PH_TRY(add_entry(c, i, &g, &p->cracks, err));
     }
-    p->sequence = (ph_sequence){.kind = c->sequence.kind,
-                                .nsteps = c->sequence.nsteps,
-                                .value = c->sequence.value};
+    p->sequence = (ph_crack_sequence){.kind = c->sequence.kind,
+                                      .nsteps = c->sequence.nsteps,
+                                      .value = c->sequence.value};
     if (c->sequence.kind == PH_SEQUENCE_GROWTH) PH_TRY(plan_growth(c, p, err));
     if (c->sequence.kind == PH_SEQUENCE_DENSITY)
         p->sequence.first = p->start[c->ncracks - 1];

@@ -85,7 +85,7 @@ PH_API ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_erro
  *  which stay the case's. */
 typedef struct ph_crack_plan {
     ph_cracks cracks;
-    ph_sequence sequence;
+    ph_crack_sequence sequence;
     bool *grows;      /* of the sequence, or NULL */
     ptrdiff_t *start; /* [entries of the case] first crack of each */
 } ph_crack_plan;

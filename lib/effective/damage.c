@@ -48,7 +48,7 @@ static ph_status cracks_of_step(const ph_problem *p, int step, ph_cracks *out,
 {
     ph_status st = PH_OK;
     const ph_cracks *all = p->cracks;
-    const ph_sequence *q = p->sequence;
+    const ph_crack_sequence *q = p->sequence;
     ptrdiff_t count = all->count;
     if (q && q->kind == PH_SEQUENCE_DENSITY)
         count = cracks_of_density(all, &p->micro->grid, q->first, q->value[step]);
@@ -64,7 +64,7 @@ out:
 static ph_status check_sequence(const ph_problem *p, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_sequence *q = p->sequence;
+    const ph_crack_sequence *q = p->sequence;
     if (!q || q->kind == PH_SEQUENCE_NONE) return PH_OK;
     PH_CHECK(q->nsteps > 0 && q->value, PH_EINVAL, "a sequence has no steps");
     PH_CHECK(q->kind != PH_SEQUENCE_GROWTH || q->grows, PH_EINVAL,
@@ -176,7 +176,7 @@ ph_status ph_i_run_damage(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_problem *p = r->problem;
-    const ph_sequence *q = p->sequence;
+    const ph_crack_sequence *q = p->sequence;
     ph_damage *d = NULL;
     bool kept = r->keep_fields;
     size_t n = (size_t)(r->op->layout.nd * r->op->layout.cells);

@@ -16,7 +16,7 @@ typedef enum ph_sequence_kind {
 } ph_sequence_kind;
 
 /** Steps of prescribed damage. Bonds do not heal: values must not fall. Borrows its arrays. */
-typedef struct ph_sequence {
+typedef struct ph_crack_sequence {
     ph_sequence_kind kind;
     int nsteps;
     const double
@@ -26,7 +26,7 @@ typedef struct ph_sequence {
     ptrdiff_t first;   /* density: cracks before this one are always there and count; of
                           * the others the first so many that the density of the set is the
                           * nearest to the value */
-} ph_sequence;
+} ph_crack_sequence;
 
 typedef struct ph_damage_step {
     double value;       /* of the sequence; NaN without one */

@@ -68,10 +68,10 @@ typedef struct ph_problem {
     ph_model_params model;
     ph_constraint_params constraint;
     ph_solver_params solver;
-    unsigned loads;              /* bit a: solve macro strain a; 0: all */
-    bool keep_fields;            /* keep displacement, strain, stress of each load */
-    const ph_cracks *cracks;     /* NULL or none: no bond is broken */
-    const ph_sequence *sequence; /* of the cracks; NULL: as they are */
+    unsigned loads;          /* bit a: solve macro strain a; 0: all */
+    bool keep_fields;        /* keep displacement, strain, stress of each load */
+    const ph_cracks *cracks; /* NULL or none: no bond is broken */
+    const ph_crack_sequence *sequence; /* of the cracks; NULL: as they are */
 } ph_problem;
 
 /** The fields of one load case on the RVE, component first: [component][cell], for one unit
