@@ -38,6 +38,7 @@
 #include <perihom/plot.h>
 #include <perihom/prony.h>
 #include <perihom/quantity.h>
+#include <perihom/relaxation.h>
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
