@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "model/relaxing_map.h"
 
-#include "material/prony_reduce.h"
-
 #include <math.h>
 #include <string.h>
 
 /* Times of two phases closer than this, relative, are one. */
-static const double same_time = 1e-12;
+static const double same_time = 1e-9;
 
 static int by_size(const void *a, const void *b)
 {
@@ -90,7 +88,7 @@ static ph_status reduce_phases(ph_relaxing_map *r, const ph_prony *soft, ph_erro
     for (int p = 0; p < r->materials; p++) {
         const ph_material *m = &r->micro->materials[p];
         if (m->relaxation && r->map->used[p])
-            PH_TRY(ph_i_prony_reduce(m->relaxation, kin, &series[p], err));
+            PH_TRY(ph_prony_reduce(m->relaxation, kin, &series[p], err));
         else
             PH_TRY(ph_sym4_reduce(&m->stiffness, kin, &r->infinity[p], err));
     }

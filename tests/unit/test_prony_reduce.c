@@ -3,7 +3,6 @@
 #include <perihom/material.h>
 
 #include "check.h"
-#include "material/prony_reduce.h"
 #include "tensors.h"
 
 static const double variables[] = {0.0, 1e-9, 1e-3, 0.2, 1.0, 7.0, 1e3, 1e9, INFINITY};
@@ -27,7 +26,7 @@ static ph_prony *reduced(const ph_prony *p, ph_kinematics kin)
 {
     ph_error err = PH_ERROR_INIT;
     ph_prony *r = NULL;
-    CHECK_OK(ph_i_prony_reduce(p, kin, &r, &err));
+    CHECK_OK(ph_prony_reduce(p, kin, &r, &err));
     if (r) CHECK_OK(ph_prony_validate(r, &err)); /* every term positive semidefinite */
     return r;
 }
@@ -73,7 +72,9 @@ static void test_isotropic(void **state)
     CHECK_OK(ph_material_viscoelastic_young("resin", &(ph_modulus){1.0, 2, e}, 0.4999, &m,
                                             &err));
     r = reduced(m.relaxation, PH_PLANE_STRESS);
-    CHECK(r->nterms == 2 && r->term[0].time == 1e-12 && r->term[1].time == 1e12);
+    CHECK(r->nterms == 2);
+    CHECK_REL(r->term[0].time, 1e-12, 1e-10);
+    CHECK_REL(r->term[1].time, 1e12, 1e-10);
     /* E of a plane of constant nu: C_1111 = E/(1-nu^2); the tensor of nu = 0.4999 loses
      * three digits in the condensation */
     CHECK_REL(r->term[0].stiffness.m[0][0], 4.0 / (1.0 - 0.4999 * 0.4999), 1e-11);
