@@ -15,7 +15,7 @@
  *     M = <G^T C G>, H = <C G>, C = <C_k>, r = <G^T p_k>, p = <p_k>,  <.> = sum phi_k
  *
  * the first bracket being the laminate of the C_k. Next to a void there is no jump.
- * Tested: tests/cross/test_relaxation_routes.c */
+ * Tested: tests/cross/test_time_and_frequency.c */
 #ifndef PH_EFFECTIVE_CUT_POINTS_H
 #define PH_EFFECTIVE_CUT_POINTS_H
 

@@ -7,7 +7,7 @@
  * with the phase that it follows.
  * C*(i omega) comes out with C'' positive semidefinite, for the discrete medium is a network
  * of springs and dashpots. `reduced` gives the same numbers from a few real solves; this route
- * is the check of it. Tested: tests/cross/test_relaxation_routes.c. Ref: [VanDerVorst1990] */
+ * is the check of it. Tested: tests/cross/test_time_and_frequency.c. Ref: [VanDerVorst1990] */
 #ifndef PH_EFFECTIVE_FREQUENCY_H
 #define PH_EFFECTIVE_FREQUENCY_H
 

@@ -28,8 +28,7 @@ typedef struct ph_run {
     void *state;
     double *load, *u; /* the operator's work fields, see solver.h */
     int soft;         /* phases that relax: the one that (S) follows, */
-    double softness;  /* its softness at once, */
-    bool fluid;       /* and has one a singular equilibrium stiffness? */
+    double softness;  /* and its softness at once */
     double contrast;  /* `auto` counts on at least this, of phases that
                                            * relax */
     ph_sym4 columns;  /* C or, by_stress, the compliance */
@@ -44,12 +43,9 @@ ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
 /** The operator and its solver. */
 ph_status ph_i_run_build(ph_run *run, ph_error *err);
-/** For phases that relax, after _begin: contrast at both ends of time, so that `auto` decides
- *  for all of it, and the phase that is softest late, whose relaxation (S) follows. */
-ph_status ph_i_run_look_ahead(ph_run *run, ph_error *err);
-/** After _prepare: (S) of the instantaneous softness of that phase; then _build. */
-ph_status ph_i_run_build_relaxing(ph_run *run, ph_error *err);
-/** All of it in turn. @return PH_EINVAL for a constraint without equations */
+/** All of these for phases that relax, with the choices of `reduced`: `auto` sees the
+ *  contrast of all times, (S) follows the phase that is softest late. Comes with problem and
+ *  ctx. @return PH_EINVAL for a constraint without equations, and cracks */
 ph_status ph_i_run_relaxing(ph_run *run, ph_error *err);
 /** Time, memory and counts of a run that began at `start`, into its result. */
 double ph_i_run_now(void);

@@ -19,7 +19,7 @@
  * past. Cut cells remember beside it the jumps of their laminates (effective/cut_points.h).
  *
  * A jump is a step with dt = 0. Second order in dt for fields that bend.
- * Tested: tests/unit/test_stepper.c, tests/cross/test_relaxation_routes.c */
+ * Tested: tests/unit/test_stepper.c, tests/cross/test_time_and_frequency.c */
 #ifndef PH_EFFECTIVE_STEPPER_H
 #define PH_EFFECTIVE_STEPPER_H
 
