@@ -29,6 +29,7 @@
 #include <perihom/error.h>
 #include <perihom/estimates.h>
 #include <perihom/family.h>
+#include <perihom/fit.h>
 #include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/material.h>
@@ -38,6 +39,8 @@
 #include <perihom/plot.h>
 #include <perihom/prony.h>
 #include <perihom/quantity.h>
+#include <perihom/relaxation.h>
+#include <perihom/shift.h>
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>

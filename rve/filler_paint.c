@@ -31,21 +31,45 @@ static ptrdiff_t wrap(ptrdiff_t i, ptrdiff_t n)
     return i < 0 ? i + n : i;
 }
 
+/* Cells first .. first + count - 1 of an axis that node i of the grid of the fillers covers:
+ * those with their centre in it, and where there is none the one that holds its centre. */
+static ptrdiff_t covered(ptrdiff_t i, double ratio, ptrdiff_t *count)
+{
+    double lo = ceil((double)i * ratio - 0.5), hi = ceil((double)(i + 1) * ratio - 0.5);
+    if (hi <= lo) lo = floor(((double)i + 0.5) * ratio), hi = lo + 1;
+    *count = (ptrdiff_t)(hi - lo);
+    return (ptrdiff_t)lo;
+}
+
+static void paint_node(ph_microstructure *m, const ph_grid *drawn,
+                       const ptrdiff_t node[3], int material, int32_t owner)
+{
+    const ptrdiff_t *n = m->grid.n;
+    ptrdiff_t first[3], count[3], k[3];
+    for (int a = 0; a < 3; a++)
+        first[a] = covered(node[a], (double)n[a] / (double)drawn->n[a], &count[a]);
+    for (k[0] = 0; k[0] < count[0]; k[0]++)
+        for (k[1] = 0; k[1] < count[1]; k[1]++)
+            for (k[2] = 0; k[2] < count[2]; k[2]++) {
+                ptrdiff_t cell = 0;
+                for (int a = 0; a < 3; a++)
+                    cell = cell * n[a] + wrap(first[a] + k[a], n[a]);
+                m->phase[cell] = (uint16_t)material;
+                m->owner[cell] = owner;
+            }
+}
+
 static void paint_nodes(const ph_packing *p, ptrdiff_t i, int material,
                         ph_microstructure *m)
 {
     const ph_placed *x = &p->filler[i];
-    const ptrdiff_t *n = m->grid.n;
-    ptrdiff_t centre[3] = {0};
+    ptrdiff_t centre[3] = {0}, node[3];
     for (int a = 0; a < p->dimensions; a++)
-        centre[a] = (ptrdiff_t)floor(x->centre[a] / m->grid.h[a]);
+        centre[a] = (ptrdiff_t)floor(x->centre[a] / p->grid.h[a]);
     for (ptrdiff_t k = x->first_point; k < x->first_point + x->npoints; k++) {
-        ptrdiff_t at[3];
         for (int a = 0; a < 3; a++)
-            at[a] = wrap(centre[a] + p->point[k][a], n[a]);
-        ptrdiff_t cell = (at[0] * n[1] + at[1]) * n[2] + at[2];
-        m->phase[cell] = (uint16_t)material;
-        m->owner[cell] = (int32_t)(i + 1);
+            node[a] = wrap(centre[a] + p->point[k][a], p->grid.n[a]);
+        paint_node(m, &p->grid, node, material, (int32_t)(i + 1));
     }
 }
 

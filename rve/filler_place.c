@@ -637,10 +637,12 @@ ph_status ph_rve_place(const ph_case *c, ph_packing **out, ph_error *err)
     ph_i_generator g = {.c = c};
     int k = 0;
     *out = NULL;
-    PH_TRY(ph_grid_init(&g.grid, c->kinematics, c->nodes, c->size, err));
+    PH_TRY(ph_grid_init(&g.grid, c->kinematics, c->drawn_on[0] ? c->drawn_on : c->nodes,
+                        c->size, err));
     PH_ALLOC(g.p, 1, "the fillers");
     g.p->dimensions = c->kinematics == PH_SPACE ? 3 : 2;
     g.p->nkinds = c->nfillers;
+    g.p->grid = g.grid;
     PH_ALLOC(g.p->kind, c->nfillers, "the fillers");
     PH_ALLOC(w.clusters, c->nfillers, "the agglomerates");
     g.spacing = fmin(g.grid.h[0], g.grid.h[1]);

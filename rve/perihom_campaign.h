@@ -129,7 +129,7 @@ typedef struct ph_campaign {
                     * of every point, its voxel file, the outputs; not of the stopping rule */
 } ph_campaign;
 
-enum { PH_CAMPAIGN_POINTS = 100000 };
+enum { PH_CAMPAIGN_POINTS = 10000 }; /* most points */
 
 /** Read a campaign file and the case of every point. Format: docs/campaigns.md.
  *  @param[in] sets overrides of the case, applied to every point before its own
@@ -138,6 +138,11 @@ enum { PH_CAMPAIGN_POINTS = 100000 };
 PH_API ph_status ph_campaign_read(const char *path, const char *const *sets, size_t nsets,
                                   ph_campaign **out, ph_case_issues *issues,
                                   ph_error *err);
+/** The same from text; `name` stands for the file in messages and for its folder. */
+PH_API ph_status ph_campaign_parse(const char *text, size_t length, const char *name,
+                                   const char *const *sets, size_t nsets,
+                                   ph_campaign **out, ph_case_issues *issues,
+                                   ph_error *err);
 PH_API void ph_campaign_free(ph_campaign **campaign);
 /** The realisation that number i of a point is: i itself, so that all points see the same
  *  random numbers; without common random numbers point 2^32 + i. */

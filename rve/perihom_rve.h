@@ -133,6 +133,7 @@ typedef struct ph_filler_report {
 /** Every filler of a realisation. Owns its arrays. */
 typedef struct ph_packing {
     int dimensions;
+    ph_grid grid; /* on which they were drawn: `drawn_on` of the case */
     int nkinds;
     ph_filler_report *kind; /* [nkinds] */
     ptrdiff_t n;
@@ -140,7 +141,7 @@ typedef struct ph_packing {
     ptrdiff_t nsolids;
     ph_solid *solid;
     ptrdiff_t npoints;
-    int32_t (*point)[3]; /* cells away from the centre's */
+    int32_t (*point)[3]; /* cells of that grid away from the centre's */
     int nclusters;
     double (*cluster)[4]; /* centre and radius */
     long tests;           /* exact distance computations that placing took */

@@ -56,7 +56,7 @@ static inline bool coverage_greedy(coverage_kind kind, const ph_stopping *rule,
 }
 
 static inline coverage coverage_of(coverage_kind kind, double width, int pilot,
-                                   int campaigns, uint64_t seed)
+                                   int campaigns, uint64_t seed, bool greedy)
 {
     static const char *const names[] = {"normal", "uniform", "shifted lognormal",
                                         "exponential"};
@@ -72,8 +72,9 @@ static inline coverage coverage_of(coverage_kind kind, double width, int pilot,
         ph_interval i = ph_sequence_interval(&s);
         c.number += (double)s.n / campaigns;
         c.covered += (fabs(i.mean - 1) <= i.half_width) / (double)campaigns;
-        c.covered_greedy +=
-            coverage_greedy(kind, &rule, seed, (uint64_t)k) / (double)campaigns;
+        if (greedy)
+            c.covered_greedy +=
+                coverage_greedy(kind, &rule, seed, (uint64_t)k) / (double)campaigns;
     }
     return c;
 }

@@ -118,6 +118,24 @@ static void put_yaml(FILE *to, const json_t *map, int indent)
     }
 }
 
+/* Relaxation times of the phases at the temperature of the case, shortest and longest. */
+static void print_relaxation(const ph_case *c)
+{
+    const char *comma = "";
+    if (!ph_case_relaxes(c)) return;
+    printf("# relaxation by route %s; relaxation times [%s]:", c->viscoelastic.route,
+           c->unit_time);
+    for (int i = 0; i < c->nmaterials; i++) {
+        const ph_prony *p = c->materials[i].relaxation;
+        if (!p) continue;
+        printf("%s %s %g", comma, c->materials[i].name, p->term[0].time);
+        comma = ",";
+        if (p->nterms > 1) printf(" .. %g (%d)", p->term[p->nterms - 1].time, p->nterms);
+        if (c->relaxation[i].factor != 1) printf(" (a_T = %g)", c->relaxation[i].factor);
+    }
+    putchar('\n');
+}
+
 static void print_text(const json_t *resolved, const ph_case *c,
                        const ph_microstructure *micro, const double *fraction,
                        const ph_estimate *e)
@@ -129,8 +147,10 @@ static void print_text(const json_t *resolved, const ph_case *c,
     printf("# phases:");
     for (int i = 0; i < micro->nmaterials; i++)
         printf("%s %s %.4f", i ? "," : "", micro->materials[i].name, fraction[i]);
+    putchar('\n');
+    print_relaxation(c);
     double here = memory_here();
-    printf("\n# memory about %s, time about %s\n", report_bytes(e->bytes, bytes),
+    printf("# memory about %s, time about %s\n", report_bytes(e->bytes, bytes),
            report_seconds(e->seconds, seconds));
     if (here > 0.0 && (double)e->bytes > here)
         printf(

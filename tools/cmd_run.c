@@ -4,6 +4,7 @@
 #include "interrupt.h"
 #include "memory.h"
 #include "progress.h"
+#include "relaxation.h"
 #include "report.h"
 #include "tools.h"
 
@@ -62,13 +63,17 @@ typedef struct run {
     char *case_json;
     ph_microstructure *micro;
     ph_crack_plan *plan;
-    ph_result *result;
+    ph_result *result;           /* of an elastic case */
+    ph_viscoelastic *relaxation; /* of one that relaxes, with what is reported of it */
+    ph_relaxation_report *report;
     char *json;
 } run;
 
 static void run_free(run *r)
 {
     ph_result_free(&r->result);
+    ph_viscoelastic_free(&r->relaxation);
+    ph_relaxation_report_free(&r->report);
     ph_microstructure_free(&r->micro);
     ph_crack_plan_free(&r->plan);
     ph_case_free(&r->c);
@@ -83,7 +88,10 @@ static ph_status solve(run *r, ph_error *err)
     progress_start(&p, progress_choose(o->quiet, o->verbose, o->progress));
     const ph_problem problem = case_problem(r->c, r->micro, r->plan);
     const ph_ctx ctx = {.progress = progress_step, .user = &p, .threads = o->threads};
-    ph_status st = ph_homogenise(&problem, &ctx, &r->result, err);
+    ph_status st =
+        ph_case_relaxes(r->c)
+            ? relaxation_solve(r->c, &problem, &ctx, &r->relaxation, &r->report, err)
+            : ph_homogenise(&problem, &ctx, &r->result, err);
     progress_end(&p);
     return st;
 }
@@ -121,9 +129,12 @@ static ph_status write_files(const run *r, ph_error *err)
     PH_TRY(ph_write_phases_png(path, r->micro, 3, r->c->title, err));
     if (r->c->fields) {
         destination_file(&to, "fields", path, sizeof path);
-        PH_TRY(ph_write_fields(path, r->micro, r->result, r->c, err));
+        PH_TRY(ph_write_fields(path, r->micro,
+                               r->relaxation ? r->relaxation->elastic : r->result, r->c,
+                               err));
     }
-    if (r->result->damage) PH_TRY(write_damage(r, &to, err));
+    if (r->report) PH_TRY(relaxation_write(&to, r->c, r->report, err));
+    if (r->result && r->result->damage) PH_TRY(write_damage(r, &to, err));
     destination_file(&to, "result.json", path, sizeof path);
     PH_TRY(ph_write_file(path, r->json, strlen(r->json), err));
     PH_TRY(stop_if_interrupted(err));
@@ -139,9 +150,15 @@ out:
 static ph_status print_result(run *r, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_TRY(ph_result_to_json(r->result, r->c, NULL, &r->json, err));
+    if (r->relaxation)
+        PH_TRY(
+            ph_viscoelastic_to_json(r->relaxation, r->report, r->c, NULL, &r->json, err));
+    else
+        PH_TRY(ph_result_to_json(r->result, r->c, NULL, &r->json, err));
     if (r->options->json)
         printf("%s\n", r->json);
+    else if (r->relaxation)
+        relaxation_print(stdout, r->c, r->relaxation, r->report);
     else
         report_result(stdout, r->c, r->result);
 out:

@@ -11,8 +11,10 @@
 #include <unistd.h>
 
 /* What a result may consist of; result.json last: where it is, the rest is. */
-static const char *const result_files[] = {"phases.png", "fields.h5",  "fields.xdmf",
-                                           "damage.png", "damage.csv", "result.json"};
+static const char *const result_files[] = {
+    "phases.png",     "fields.h5",   "fields.xdmf",    "damage.png",   "damage.csv",
+    "prony.csv",      "prony.yaml",  "relaxation.csv", "dynamic.csv",  "response.csv",
+    "relaxation.svg", "dynamic.svg", "tan-delta.svg",  "response.svg", "result.json"};
 enum { NFILES = sizeof result_files / sizeof *result_files };
 
 void destination_default(const char *case_path, char dir[DESTINATION_PATH])

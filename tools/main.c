@@ -15,6 +15,7 @@ const verb verbs[] = {
     {"compute", "check", "what a case means and what it would take; solves nothing",
      cmd_check},
     {"compute", "bounds", "analytic bounds and estimates of a case", cmd_bounds},
+    {"compute", "fit", "Prony series of a modulus from measurements", cmd_fit},
     {"compute", "calibrate", "unknowns of a case from measurements", cmd_calibrate},
     {"compute", "campaign", "many realisations, sweeps; resumes", cmd_campaign},
     {"microstructure", "generate", "only the microstructure: picture, voxels, statistics",

@@ -89,8 +89,8 @@ static int orthogonalise(int m, double *x, double *y, double *sx, double *sy)
     double cosine = dot(m, x, y) / *sx / *sy;
     if (fabs(cosine) <= orthogonal * sqrt((double)m)) return 0;
     double ratio = *sy / *sx, theta = (ratio - 1.0 / ratio) / (2.0 * cosine);
-    double t = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + hypot(theta, 1.0));
-    double c = 1.0 / hypot(t, 1.0);
+    double t = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(1.0 + theta * theta));
+    double c = 1.0 / sqrt(1.0 + t * t);
     turn(m, c, t * c, x, y);
     *sx = sqrt(dot(m, x, x));
     *sy = sqrt(dot(m, y, y));

@@ -9,7 +9,7 @@
 /* As in the stiffness map: near incompressibility the trace is bulk modulus. */
 static const double most_of_least = 3.0;
 
-static double softness_of(const ph_sym4 *c)
+double ph_i_visco_softness(const ph_sym4 *c)
 {
     double low, high, trace = 0.0;
     ph_sym4_eigenvalues(c, &low, &high);
@@ -50,14 +50,19 @@ void ph_i_visco_relative(const ph_sym4 *a, const ph_sym4 *b, double *low, double
 }
 
 /* Lower bound of the eigenvalues of the operator in the metric of its preconditioner: of
- * every phase in the metric of the reference medium, the term of (S) being the same in both.
+ * bonds the smallest modulus over that of ph_i_operator_symbol, of every phase in the metric of the reference medium, the term of (S) being the same in both.
  * A laminate is at least as stiff as the softer of its phases. */
 static double least_eigenvalue(const ph_visco *v)
 {
     const ph_stiffness_map *map = v->run.map;
     double least = 1.0, low, high;
-    if (map->has_void || v->run.constraint->by_stress) return 0.0;
+    /* Held nodes: the preconditioner lacks the mean, which is no rigid motion there. */
+    if (v->run.setting.fixed || v->run.constraint->by_stress) return 0.0;
     if (strcmp(v->run.solver->info.name, "fft_cg") != 0) return 0.0;
+    if (v->run.op->springs)
+        return fmin(1.0, ph_i_bond_functions_least(&v->bonds, v->run.classes) /
+                             map->middle.m[0][0]);
+    if (map->has_void) return 0.0;
     for (int p = 0; p < map->materials; p++) {
         if (!map->used[p]) continue;
         ph_i_visco_relative(&v->phase[p], &map->middle, &low, &high);
@@ -66,20 +71,30 @@ static double least_eigenvalue(const ph_visco *v)
     return fmax(0.0, least * (1.0 - 1e-9));
 }
 
+double ph_i_visco_factor(const ph_visco *v, double s)
+{
+    const ph_material *m = &v->run.problem->micro->materials[v->soft];
+    double whole = 0.0, now = 0.0;
+    if (!m->relaxation) return 1.0;
+    ph_sym4 at = ph_prony_carson(m->relaxation, s);
+    for (int i = 0; i < 6; i++)
+        now += at.m[i][i], whole += m->stiffness.m[i][i];
+    return now / whole;
+}
+
 ph_status ph_i_visco_set(ph_visco *v, double s, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_run *r = &v->run;
     PH_TRY(phases_at(v, r->map, s, err));
     PH_TRY(ph_i_stiffness_map_set(r->map, r->problem->micro, v->phase, true, err));
-    double factor = 1.0, whole = 0.0, now = 0.0;
-    const ph_sym4 *at = &v->space[v->soft],
-                  *begin = &r->problem->micro->materials[v->soft].stiffness;
-    for (int i = 0; i < 6; i++)
-        now += at->m[i][i], whole += begin->m[i][i];
-    factor = now / whole;
+    double factor = ph_i_visco_factor(v, s);
     r->map->softest = v->softness * factor;
     ph_i_operator_stabilise(r->op, factor);
+    if (r->op->springs) {
+        ph_i_bond_functions_set(&v->bonds, s, -1, r->classes);
+        PH_TRY(ph_i_operator_renew_springs(r->op, err));
+    }
     if (r->state) r->solver->free(&r->state);
     PH_TRY(r->solver->init(&r->system, &r->state, err));
     v->least = least_eigenvalue(v);
@@ -127,8 +142,8 @@ static ph_status look_ahead(ph_visco *v, ph_error *err)
         double late = v->fluid ? 1e-6 / longest : 0.0, low, high;
         ph_sym4 c = m->relaxation ? ph_prony_carson(m->relaxation, late) : m->stiffness;
         ph_sym4_eigenvalues(&c, &low, &high);
-        if (v->soft < 0 || softness_of(&c) < least) v->soft = p;
-        least = fmin(least, softness_of(&c));
+        if (v->soft < 0 || ph_i_visco_softness(&c) < least) v->soft = p;
+        least = fmin(least, ph_i_visco_softness(&c));
         most = fmax(most, low);
     }
     PH_CHECK(v->soft >= 0, PH_EUNPHYSICAL,
@@ -194,7 +209,6 @@ static ph_status without_equations(ph_visco *v, bool *done, ph_error *err)
         *done = true;
         return PH_OK;
     }
-    PH_TRY(ph_i_run_prepare(r, err));
     if (r->result->bond.present || !ph_i_run_is_homogeneous(r) ||
         r->map->index[0] >= r->map->materials)
         return PH_OK;
@@ -216,17 +230,38 @@ static ph_status with_equations(ph_visco *v, ph_error *err)
     PH_ALLOC(v->phase, micro->nmaterials, "phases");
     PH_ALLOC(v->space, micro->nmaterials, "phases");
     PH_TRY(phases_at(v, r->map, INFINITY, err));
-    v->softness = r->map->softest = softness_of(&v->phase[v->soft]);
+    v->softness = r->map->softest = ph_i_visco_softness(&v->phase[v->soft]);
     PH_TRY(ph_i_run_build(r, err));
     PH_TRY(ph_i_operator_in_space(r->op, err));
+    v->nfunctions = v->split.nfunctions;
+    if (r->op->springs) {
+        PH_CHECK(!r->setting.source, PH_EINVAL,
+                 "model bond with a collar outside the RVE has a virial for its stress, "
+                 "and no energy to project: take `collar: inside`, or route carson");
+        PH_TRY(ph_i_bond_functions_new(r->classes, micro, &v->bonds, err));
+        v->nfunctions = v->bonds.count;
+    }
     PH_TRY(
         ph_i_layers_init(&v->layers, micro, &v->split, r->map, r->setting.region, err));
     PH_TRY(ph_i_sites_init(&v->sites, r->op, v->layers.count, v->layers.cell, err));
     PH_TRY(reduce_shapes(v, err));
     PH_TRY(work_fields(v, err));
-    PH_TRY(ph_i_reduced_init(&v->model, r->map->ns, v->split.nfunctions,
-                             v->split.function, err));
+    PH_TRY(ph_i_reduced_init(&v->model, r->map->ns, v->nfunctions,
+                             r->op->springs ? v->bonds.function : v->split.function,
+                             err));
     PH_TRY(ph_i_visco_macro_rows(v, err));
+out:
+    return st;
+}
+
+ph_status ph_i_visco_choose(ph_visco *v, const ph_problem *problem, const ph_ctx *ctx,
+                            ph_error *err)
+{
+    ph_status st = PH_OK;
+    *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}};
+    PH_TRY(ph_i_run_begin(&v->run, err));
+    PH_TRY(look_ahead(v, err));
+    if (!v->run.constraint->analytic) PH_TRY(ph_i_run_prepare(&v->run, err));
 out:
     return st;
 }
@@ -236,17 +271,15 @@ ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
                            ph_viscoelastic *out, ph_error *err)
 {
     ph_status st = PH_OK;
-    ph_run *r = &v->run;
     bool done;
-    *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}, .out = out};
+    PH_TRY(ph_i_visco_choose(v, problem, ctx, err));
+    const ph_microstructure *micro = v->run.problem->micro;
+    v->out = out;
     v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
     PH_CHECK(
         !ph_i_has_cracks(problem), PH_EINVAL,
         "the relaxation of a cracked cell is not computed: leave out the cracks, or the "
         "relaxation");
-    PH_TRY(ph_i_run_begin(r, err));
-    const ph_microstructure *micro = r->problem->micro;
-    PH_TRY(look_ahead(v, err));
     PH_TRY(ph_i_split_new(micro->nmaterials, micro->materials, &v->split, err));
     PH_TRY(without_equations(v, &done, err));
     if (!done) PH_TRY(with_equations(v, err));
@@ -279,6 +312,7 @@ void ph_i_visco_clear(ph_visco *v)
     ph_i_reduced_clear(&v->model);
     ph_i_layers_clear(&v->layers);
     ph_i_split_clear(&v->split);
+    ph_i_bond_functions_clear(&v->bonds);
     free(v->shape);
     free(v->whole);
     free(v->phase);
@@ -290,9 +324,9 @@ void ph_i_visco_clear(ph_visco *v)
 void ph_i_visco_end(ph_visco *v, double start)
 {
     ph_viscoelastic *out = v->out;
-    if (!v->run.result) return; /* the problem was not admissible */
+    if (!out || !v->run.result) return; /* the problem was not admissible */
     ph_i_run_account(&v->run, start, ph_i_run_now() - start);
-    out->functions = v->split.nfunctions;
+    out->functions = v->model.nfunctions;
     out->basis = v->nbasis;
     if (v->run.op) {
         size_t field = ph_i_visco_size(v) + ph_i_visco_hidden(v);

@@ -7,6 +7,7 @@
 #include <perihom/viscoelastic.h>
 
 #include "effective/run.h"
+#include "effective/visco_bonds.h"
 #include "effective/visco_layers.h"
 #include "effective/visco_model.h"
 
@@ -23,6 +24,8 @@ typedef struct ph_visco {
     ph_viscoelastic *out;
     double tolerance;
     ph_split split;
+    ph_bond_functions bonds; /* model bond */
+    int nfunctions;          /* of phases, or of bonds */
     ph_layers layers;
     ph_sites sites;
     ph_sym4 *phase, *space; /* [materials] at s: of the kinematics, and n = 6 */
@@ -48,6 +51,14 @@ ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
                            const ph_relaxation_params *params, const ph_ctx *ctx,
                            ph_viscoelastic *out, ph_error *err);
 void ph_i_visco_clear(ph_visco *v);
+/** The same as far as it decides on the discretisation, for a route that solves its own
+ *  elastic problems: everything but operator and model. */
+ph_status ph_i_visco_choose(ph_visco *v, const ph_problem *problem, const ph_ctx *ctx,
+                            ph_error *err);
+/** How far the phase that (S) follows has relaxed: its mean modulus at s over that at first. */
+double ph_i_visco_factor(const ph_visco *v, double s);
+/** Mean modulus that (S) takes from a tensor, as ph_stiffness_map.softest. */
+double ph_i_visco_softness(const ph_sym4 *c);
 /** Phases, operator and solver at s. */
 ph_status ph_i_visco_set(ph_visco *v, double s, ph_error *err);
 /** Move the elastic result and the counts into the answer. */
@@ -79,10 +90,11 @@ ph_status ph_i_visco_gram(ph_visco *v, int more, ph_error *err);
 
 /** Solve at s from the reduced solution, and see how far it was.
  *  @param[in] share  solve until the energy left is this share of the tolerance
+ *  @param[in] enough an error that asks for no more fields
  *  @param[out] error relative error of the model at s; left: of the model that follows
  *  @param[out] added fields that the basis took: of the corrections, those worth it */
-ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double *error,
-                           double *left, int *added, ph_error *err);
+ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double enough,
+                           double *error, double *left, int *added, ph_error *err);
 
 /** Eigenvalues of a in the metric of b (positive definite). */
 void ph_i_visco_relative(const ph_sym4 *a, const ph_sym4 *b, double *low, double *high);

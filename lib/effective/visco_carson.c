@@ -19,6 +19,33 @@ out:
     return st;
 }
 
+/* The discretisation that `reduced` takes: `auto` decided for all s, and the coefficient of
+ * (S) that follows one phase, where the elastic problem takes that of its softest. */
+static void same_discretisation(const ph_visco *v, const ph_microstructure *at, double s,
+                                ph_problem *p)
+{
+    const ph_result *res = v->run.result;
+    if (v->run.constraint->analytic || res->bond.present) return;
+    if (strcmp(res->model, "nosb") != 0) return;
+    p->model.points = res->points;
+    p->model.stabilisation = res->stabilisation;
+    p->model.stabilisation_value = res->stabilisation_value;
+    if (res->stabilisation != PH_STABILISE_SPECTRAL) return;
+    double softest = INFINITY;
+    ph_sym4 c;
+    for (int m = 0; m < at->nmaterials; m++) {
+        bool used = v->run.map->used[m] && !at->materials[m].is_void;
+        if (!used || ph_sym4_reduce(&at->materials[m].stiffness, at->grid.kinematics, &c,
+                                    NULL) != PH_OK)
+            continue;
+        softest = fmin(softest, ph_i_visco_softness(&c));
+    }
+    const ph_material *soft = &v->run.problem->micro->materials[v->soft];
+    if (ph_sym4_reduce(&soft->stiffness, at->grid.kinematics, &c, NULL) == PH_OK)
+        p->model.stabilisation_value *=
+            ph_i_visco_softness(&c) * ph_i_visco_factor(v, s) / softest;
+}
+
 ph_status ph_i_relaxation_carson(const ph_problem *problem,
                                  const ph_relaxation_params *params, const ph_ctx *ctx,
                                  ph_viscoelastic *out, ph_error *err)
@@ -27,8 +54,9 @@ ph_status ph_i_relaxation_carson(const ph_problem *problem,
     ph_material *phase = NULL;
     ph_microstructure at;
     double start = ph_i_run_now();
-    PH_CHECK(problem && problem->micro, PH_EINVAL, "no microstructure");
+    ph_visco v = {0};
     PH_CHECK(params->ncarson > 0, PH_EINVAL, "route carson needs Carson variables");
+    PH_TRY(ph_i_visco_choose(&v, problem, ctx, err));
     PH_ALLOC(phase, problem->micro->nmaterials, "phases");
     PH_ALLOC(out->values, params->ncarson, "values of the Carson variable");
     PH_ALLOC(out->points, params->ncarson, "values of the Carson variable");
@@ -39,6 +67,7 @@ ph_status ph_i_relaxation_carson(const ph_problem *problem,
         int iterations = 0;
         elastic.micro = &at;
         PH_TRY(phases_at(problem->micro, s, phase, &at, err));
+        same_discretisation(&v, &at, s, &elastic);
         st = ph_homogenise(&elastic, ctx, &result, err);
         for (int a = 0; result && a < result->nloads; a++)
             iterations += result->iterations[a];
@@ -57,5 +86,6 @@ ph_status ph_i_relaxation_carson(const ph_problem *problem,
     out->seconds = ph_i_run_now() - start;
 out:
     free(phase);
+    ph_i_visco_clear(&v);
     return st;
 }

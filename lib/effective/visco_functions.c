@@ -43,9 +43,8 @@ static bool is_multiple(const ph_sym4 *a, const ph_sym4 *b, double *t)
     return sqrt(off) <= same * sqrt(aa);
 }
 
-/* The decay of a list of moduli [nterms + 1], the last at rest; false if all are zero. */
-static ph_status decay_of(const ph_prony *p, const double *modulus, ph_decay *out,
-                          double *total, ph_error *err)
+ph_status ph_i_decay_of(const ph_prony *p, const double *modulus, ph_decay *out,
+                        double *total, ph_error *err)
 {
     ph_status st = PH_OK;
     *out = (ph_decay){0};
@@ -67,7 +66,7 @@ out:
     return st;
 }
 
-static bool same_decay(const ph_decay *a, const ph_decay *b)
+bool ph_i_decay_same(const ph_decay *a, const ph_decay *b)
 {
     if (a->nterms != b->nterms || fabs(a->rest - b->rest) > same * b->rest) return false;
     for (int t = 0; t < a->nterms; t++)
@@ -83,7 +82,7 @@ static ph_status add(ph_split *s, int material, ph_decay *d, double scale,
 {
     ph_status st = PH_OK;
     int q = 0;
-    while (q < s->nfunctions && !same_decay(d, &s->function[q]))
+    while (q < s->nfunctions && !ph_i_decay_same(d, &s->function[q]))
         q++;
     if (q == s->nfunctions) {
         size_t n = (size_t)s->nfunctions + 1, m = (size_t)s->nmaterials;
@@ -142,7 +141,7 @@ static ph_status split_terms(ph_split *s, int m, const ph_prony *p, double *one,
     for (int t = 0; t <= p->nterms; t++) {
         ph_decay d;
         one[t] = 1.0;
-        PH_TRY(decay_of(p, one, &d, &total, err));
+        PH_TRY(ph_i_decay_of(p, one, &d, &total, err));
         one[t] = 0.0;
         PH_TRY(add(s, m, &d, 1.0, part(p, t), err));
     }
@@ -164,12 +163,12 @@ static ph_status split_phase(ph_split *s, int m, const ph_prony *p, ph_error *er
     for (int t = 0; t <= p->nterms && keeps; t++)
         keeps = is_multiple(part(p, t), &whole, &K[t]);
     if (keeps) {
-        PH_TRY(decay_of(p, K, &d, &total, err));
+        PH_TRY(ph_i_decay_of(p, K, &d, &total, err));
         PH_TRY(add(s, m, &d, 1.0, &whole, err));
     } else if (is_isotropic(p, K, G)) {
-        PH_TRY(decay_of(p, K, &d, &total, err));
+        PH_TRY(ph_i_decay_of(p, K, &d, &total, err));
         PH_TRY(add(s, m, &d, total, &bulk, err));
-        PH_TRY(decay_of(p, G, &d, &total, err));
+        PH_TRY(ph_i_decay_of(p, G, &d, &total, err));
         PH_TRY(add(s, m, &d, total, &shear, err));
     } else {
         memset(K, 0, sizeof *K * (size_t)(p->nterms + 1));
@@ -189,7 +188,7 @@ ph_status ph_i_split_new(int nmaterials, const ph_material *material, ph_split *
     double total, one = 1.0;
     ph_decay d;
     *out = (ph_split){.nmaterials = nmaterials};
-    PH_TRY(decay_of(&still, &one, &d, &total, err));
+    PH_TRY(ph_i_decay_of(&still, &one, &d, &total, err));
     PH_TRY(add(out, 0, &d, 0.0, &still.equilibrium, err));
     for (int m = 0; m < nmaterials; m++) {
         if (material[m].relaxation)

@@ -24,6 +24,12 @@ typedef struct ph_decay {
 /** @param s [1/time, >= 0, INFINITY] */
 double ph_i_decay_at(const ph_decay *d, double s);
 void ph_i_decay_clear(ph_decay *d);
+/** Moduli [p->nterms + 1] at the times of p, the last at rest, as total times a function.
+ *  @param[out] total their sum; zero: the function is zero too */
+ph_status ph_i_decay_of(const ph_prony *p, const double *modulus, ph_decay *out,
+                        double *total, ph_error *err);
+/** The same function, to the digits of arithmetic. */
+bool ph_i_decay_same(const ph_decay *a, const ph_decay *b);
 
 typedef struct ph_split {
     int nmaterials, nfunctions;

@@ -4,6 +4,7 @@
  * shape of one phase through the functions. */
 #include "effective/visco.h"
 
+#include <math.h>
 #include <string.h>
 
 static double dot(size_t n, const double *a, const double *b)
@@ -28,6 +29,10 @@ static ph_status set_function(ph_visco *v, int q, ph_error *err)
 {
     const ph_run *r = &v->run;
     const ph_microstructure *micro = r->problem->micro;
+    if (r->op->springs) {
+        ph_i_bond_functions_set(&v->bonds, INFINITY, q, r->classes);
+        return ph_i_operator_renew_springs(r->op, err);
+    }
     double whole = 0.0, own = trace(ph_i_split_shape(&v->split, q, v->soft));
     for (int k = 0; k < v->split.nfunctions; k++)
         whole += trace(ph_i_split_shape(&v->split, k, v->soft));
@@ -61,8 +66,8 @@ ph_status ph_i_visco_macro_rows(ph_visco *v, ph_error *err)
     double n = (double)r->setting.averaged, stress[6], strain[6];
     ph_cell_energy e;
     memset(v->u, 0, sizeof *v->u * ph_i_visco_size(v));
-    PH_ALLOC(v->whole, 36 * v->split.nfunctions, "the reduced model");
-    for (int q = 0; q < v->split.nfunctions; q++) {
+    PH_ALLOC(v->whole, 36 * v->nfunctions, "the reduced model");
+    for (int q = 0; q < v->nfunctions; q++) {
         PH_TRY(set_function(v, q, err));
         for (int a = 0; a < ns; a++) {
             double unit[6] = {0};
@@ -127,7 +132,7 @@ ph_status ph_i_visco_gram(ph_visco *v, int more, ph_error *err)
     ph_status st = PH_OK;
     ph_run *r = &v->run;
     PH_TRY(ph_i_reduced_grow(&v->model, more, err));
-    for (int q = 0; more > 0 && q < v->split.nfunctions; q++) {
+    for (int q = 0; more > 0 && q < v->nfunctions; q++) {
         PH_TRY(set_function(v, q, err));
         for (int a = 0; a < r->map->ns; a++) {
             double unit[6] = {0};

@@ -46,7 +46,7 @@ static int log_moduli(const ph_visco *v, double s, double *out)
 
 static double move(int n, const double *a, const double *b)
 {
-    double low = INFINITY, high = -INFINITY;
+    double low = INFINITY, high = -(double)INFINITY;
     for (int i = 0; i < n; i++) {
         low = fmin(low, b[i] - a[i]);
         high = fmax(high, b[i] - a[i]);
@@ -54,29 +54,37 @@ static double move(int n, const double *a, const double *b)
     return n > 0 ? high - low : 0.0;
 }
 
-static void times(const ph_visco *v, double *shortest, double *longest)
+/* Shortest and longest time, and by how much a phase falls: with C_inf = 1e-6 C_0 it goes on
+ * falling until s is a millionth of 1 / time. */
+static void times(const ph_visco *v, double *shortest, double *longest, double *fall)
 {
     const ph_microstructure *micro = v->run.problem->micro;
     *shortest = INFINITY;
     *longest = 0.0;
+    *fall = 1.0;
     for (int p = 0; p < micro->nmaterials; p++) {
         const ph_prony *series = micro->materials[p].relaxation;
         for (int t = 0; v->run.map->used[p] && series && t < series->nterms; t++) {
             *shortest = fmin(*shortest, series->term[t].time);
             *longest = fmax(*longest, series->term[t].time);
         }
+        double low, high;
+        if (!v->run.map->used[p] || !series || v->fluid) continue;
+        ph_sym4 begin = ph_prony_instantaneous(series);
+        ph_i_visco_relative(&series->equilibrium, &begin, &low, &high);
+        *fall = fmax(*fall, 1.0 / low);
     }
 }
 
 ph_status ph_i_path_new(const ph_visco *v, double tolerance, ph_path *out, ph_error *err)
 {
     ph_status st = PH_OK;
-    double shortest, longest, *before = NULL, *after = NULL;
+    double shortest, longest, fall, *before = NULL, *after = NULL;
     *out = (ph_path){0};
-    times(v, &shortest, &longest);
+    times(v, &shortest, &longest, &fall);
     bool elastic = !(longest > 0.0);
     /* A fluid moves on; its field is settled where the contrast is past the tolerance. */
-    double late = v->fluid ? 2.0 - log10(tolerance) : BEYOND;
+    double late = v->fluid ? 2.0 - log10(tolerance) : BEYOND + log10(fall);
     double high = elastic ? 0.0 : BEYOND - log10(shortest);
     double low = elastic ? 0.0 : -late - log10(longest);
     int steps = elastic ? 0 : (int)ceil((high - low) * PER_DECADE);

@@ -12,6 +12,9 @@ static const double end_share = 1e-3, inner_share = 0.25;
 /* A gap is seen if a visit was where its product is this share of its most. One that was not
  * is believed to hold so many times the error that the others suggest. */
 static const double seen = 0.5, doubt = 5.0;
+/* An error of less than this share of the tolerance asks for no more fields; the values of s
+ * around it may hold so many times as much. */
+static const double enough = 0.25, around = 3.0;
 /* Contrast that does not move: one elastic solution is all there is. */
 static const double still = 1e-12;
 
@@ -89,7 +92,8 @@ static ph_status go(ph_visco *v, walk *w, int i, bool end, double share, ph_erro
     double error, left, s = w->path.s[i];
     long before = v->out->iterations;
     int added;
-    PH_TRY(ph_i_visco_visit(v, s, share, &error, &left, &added, err));
+    PH_TRY(ph_i_visco_visit(v, s, share, end ? 0.0 : enough * v->tolerance, &error, &left,
+                            &added, err));
     PH_TRY(note_point(v->out, s, error, v->out->iterations - before, added, err));
     double p = product(w, w->path.t[i]);
     if (!end && p > 0.0) w->kappa = fmax(w->kappa, error / p);
@@ -99,6 +103,7 @@ static ph_status go(ph_visco *v, walk *w, int i, bool end, double share, ph_erro
         error = left;
     } else
         w->visit[w->visits++] = w->path.t[i];
+    if (added == 0 && !end) error *= around;
     if (error >= v->out->error) v->out->error = error, v->out->error_at = s;
 out:
     return st;

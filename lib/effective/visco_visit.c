@@ -128,7 +128,7 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
     const ph_solver_params *sp = &r->problem->solver;
     double norm = sqrt(dot(n, v->r[a], v->r[a])), cells = (double)r->setting.averaged;
     double tolerance = sp->tolerance > 0.0 ? sp->tolerance : default_tolerance;
-    double most = now->energy_share * v->tolerance * now->held.m[a][a] * cells;
+    double most = now->energy_share * v->tolerance / now->inverse.m[a][a] * cells;
     now->left[a] = 0.0;
     now->idle[a] = norm <= no_load * largest_load(v) ||
                    (!(v->least > 0.0) && norm <= tolerance * size);
@@ -273,8 +273,8 @@ out:
     return st;
 }
 
-ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double *error,
-                           double *left, int *added, ph_error *err)
+ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double enough,
+                           double *error, double *left, int *added, ph_error *err)
 {
     ph_status st = PH_OK;
     int ns = v->run.map->ns;
@@ -294,10 +294,10 @@ ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double *error,
                 0.5 * (dot(n, v->r[a], v->d[b]) + dot(n, v->r[b], v->d[a])) / cells;
     *error = error_of(v, &now, false);
     *left = error_of(v, &now, true);
-    for (int a = 0; a < ns; a++) {
+    for (int a = 0; a<ns && * error> enough; a++) {
         double gain = now.captured.m[a][a] + now.hidden[a];
         if (now.idle[a] || !(now.captured.m[a][a] > 0.0)) continue;
-        if (!(gain > fmin(worth, share) * v->tolerance * now.held.m[a][a])) continue;
+        if (!(gain * now.inverse.m[a][a] > fmin(worth, share) * v->tolerance)) continue;
         PH_TRY(take_field(v, &now, a, err));
         ++*added;
     }

@@ -47,12 +47,14 @@ static void drop_fluid_directions(ph_prony *series, const ph_reduced *m, double 
     int ns = m->ns;
     ph_sym4 *rest = &series->equilibrium, a = *rest, V = {.n = ns};
     double solid = 0.0;
+    int dropped = 0;
     for (int q = 0; q < m->nfunctions; q++)
         for (int i = 0; i < ns; i++)
             solid += m->function[q].rest * m->K[q][i * m->room + i] / ns;
     ph_i_jacobi(ns, 6, &a.m[0][0], &V.m[0][0]);
     for (int k = 0; k < ns; k++) {
         if (a.m[k][k] > tolerance * solid) continue;
+        dropped++;
         for (int i = 0; i < ns; i++)
             for (int j = 0; j < ns; j++) {
                 double x = a.m[k][k] * V.m[i][k] * V.m[j][k];
@@ -61,6 +63,10 @@ static void drop_fluid_directions(ph_prony *series, const ph_reduced *m, double 
                     series->term[series->nterms - 1].stiffness.m[i][j] += x;
             }
     }
+    if (dropped == ns) *rest = (ph_sym4){.n = ns};
+    for (int i = 0; i < ns; i++) /* what is left of a difference is not symmetric */
+        for (int j = 0; j < i; j++)
+            rest->m[i][j] = rest->m[j][i] = 0.5 * (rest->m[i][j] + rest->m[j][i]);
 }
 
 static int count_lost(const ph_sym4 *rest, const ph_sym4 *begin)

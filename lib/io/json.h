@@ -26,6 +26,10 @@ ph_status ph_i_json_put_number(json_t *obj, const char *path, const char *key, d
 /** The document as text with 17 digits, malloc'd. */
 ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err);
 
+/** The result document (result_json.c), a new reference. */
+ph_status ph_i_result_document(const ph_result *result, const ph_case *c,
+                               const char *command, json_t **document, ph_error *err);
+
 /** The resolved case (case_json.c). PH_EINVAL where it holds what JSON cannot. */
 ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err);
 /** `microstructure.fillers` (case_fillers_json.c); *good turns false where it fails. */

@@ -470,12 +470,12 @@ out:
     return st;
 }
 
-ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
-                            const char *command, char **json, ph_error *err)
+ph_status ph_i_result_document(const ph_result *result, const ph_case *c,
+                               const char *command, json_t **document, ph_error *err)
 {
     ph_status st = PH_OK;
     draft_document d = {result, c, NULL, NULL};
-    PH_CHECK(result && json, PH_EINVAL, "no result to write");
+    PH_CHECK(result, PH_EINVAL, "no result to write");
     PH_CHECK(result->stiffness.n == 3 || result->stiffness.n == 6, PH_EINVAL,
              "the stiffness has n = %d, not 3 or 6", result->stiffness.n);
     d.root = json_object();
@@ -490,9 +490,22 @@ ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
     PH_TRY(put_solver(&d, err));
     PH_TRY(put_worth_and_cost(&d, err));
     PH_TRY(put_tail(&d, command, err));
-    PH_TRY(ph_i_json_dump(d.root, json, err));
+    *document = json_incref(d.root);
 out:
     json_decref(d.root);
     json_decref(d.reasons);
+    return st;
+}
+
+ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
+                            const char *command, char **json, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *document = NULL;
+    PH_CHECK(json, PH_EINVAL, "no place for the document");
+    PH_TRY(ph_i_result_document(result, c, command, &document, err));
+    PH_TRY(ph_i_json_dump(document, json, err));
+out:
+    json_decref(document);
     return st;
 }

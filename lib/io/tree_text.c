@@ -1,55 +1,33 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A tree written back as YAML of one line. */
 #include "io/case_internal.h"
+#include "io/text.h"
 
 #include <string.h>
 
-/* A text that grows; `failed` once memory ran out. */
-typedef struct growing {
-    char *text;
-    size_t length, capacity;
-    bool failed;
-} growing;
-
-static void add(growing *g, const char *text, size_t n)
+static void add_text(ph_i_growing *g, const char *text)
 {
-    if (g->failed) return;
-    if (g->length + n + 1 > g->capacity) {
-        size_t capacity = 2 * (g->length + n + 32);
-        char *grown = realloc(g->text, capacity);
-        g->failed = grown == NULL;
-        if (g->failed) return;
-        g->text = grown;
-        g->capacity = capacity;
-    }
-    memcpy(g->text + g->length, text, n);
-    g->length += n;
-    g->text[g->length] = 0;
-}
-
-static void add_text(growing *g, const char *text)
-{
-    add(g, text, strlen(text));
+    ph_i_append(g, text, strlen(text));
 }
 
 /* In double quotes, what YAML would take otherwise escaped. */
-static void add_quoted(growing *g, const char *text)
+static void add_quoted(ph_i_growing *g, const char *text)
 {
-    add(g, "\"", 1);
+    ph_i_append(g, "\"", 1);
     for (const char *p = text; *p; p++) {
         char code[8];
         unsigned char c = (unsigned char)*p;
         if (c == '"' || c == '\\') {
-            add(g, "\\", 1);
-            add(g, p, 1);
+            ph_i_append(g, "\\", 1);
+            ph_i_append(g, p, 1);
         } else if (c < 32 || c == 127) {
             snprintf(code, sizeof code, "\\x%02x", c);
             add_text(g, code);
         } else {
-            add(g, p, 1);
+            ph_i_append(g, p, 1);
         }
     }
-    add(g, "\"", 1);
+    ph_i_append(g, "\"", 1);
 }
 
 /* Words and numbers that stay what they are between brackets. */
@@ -61,7 +39,7 @@ static bool is_bare(const ph_i_node *node)
            strcmp(node->text, "-") != 0;
 }
 
-static void add_node(growing *g, const ph_i_node *node)
+static void add_node(ph_i_growing *g, const ph_i_node *node)
 {
     if (node->kind == PH_I_SCALAR) {
         if (ph_i_is_null(node))
@@ -87,7 +65,7 @@ static void add_node(growing *g, const ph_i_node *node)
 
 char *ph_i_tree_text(const ph_i_node *node)
 {
-    growing g = {0};
+    ph_i_growing g = {0};
     add_node(&g, node);
     if (!g.failed) return g.text;
     free(g.text);

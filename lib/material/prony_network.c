@@ -14,34 +14,15 @@
  *
  * and one-sided Jacobi rotations find the singular values of B T^-1/2 to high relative
  * accuracy although T spans many decades. */
-#include <perihom/prony.h>
+#include "material/prony_network.h"
 
-#include "core/check.h"
 #include "core/jacobi.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-/* Equilibrium stiffness over instantaneous stiffness that counts as zero. */
-static const double nothing = 1e-13;
-/* Times so close are one: rounding of a multiple eigenvalue. */
-static const double same_time = 1e-10;
-
-typedef struct network {
-    int n, q;  /* strain components, internal variables */
-    double *L; /* [q][6] */
-    double *time;
-    double *G; /* [q][6]: R^-T L_d */
-    int nd;    /* eliminated components */
-    double R[6][6], sigma[6], U[6][6];
-    double *X; /* [q] columns of B T^-1/2, each `rows` long; then X V */
-    double *V; /* [q] columns */
-    int rows;
-    double *rate; /* [q] lambda */
-} network;
-
-static void network_free(network *w)
+void ph_i_network_free(ph_i_network *w)
 {
     free(w->L);
     free(w->time);
@@ -52,7 +33,7 @@ static void network_free(network *w)
 }
 
 /* The columns of every L_m: eigenvectors times root of eigenvalue. */
-static ph_status split_terms(network *w, const ph_prony *p, ph_error *err)
+static ph_status split_terms(ph_i_network *w, const ph_prony *p, ph_error *err)
 {
     ph_status st = PH_OK;
     w->n = p->equilibrium.n;
@@ -76,7 +57,7 @@ out:
 }
 
 /* Upper R with R^T R = c; false where c is not positive definite. */
-static bool factor(int n, double c[6][6], double R[6][6])
+bool ph_i_factor(int n, double c[6][6], double R[6][6])
 {
     memset(R, 0, 36 * sizeof(double));
     for (int i = 0; i < n; i++)
@@ -111,7 +92,7 @@ static void solve_upper(int n, double R[6][6], double *x)
 }
 
 /* S <- R^-T S R^-1 */
-static void both_sides(int n, double R[6][6], double S[6][6])
+void ph_i_both_sides(int n, double R[6][6], double S[6][6])
 {
     for (int side = 0; side < 2; side++) {
         double t[6][6];
@@ -125,7 +106,7 @@ static void both_sides(int n, double R[6][6], double S[6][6])
 }
 
 /* R, sigma, U and G of the eliminated components. */
-static ph_status eliminate(network *w, const ph_prony *p, int nd, const int *drop,
+static ph_status eliminate(ph_i_network *w, const ph_prony *p, int nd, const int *drop,
                            ph_error *err)
 {
     ph_status st = PH_OK;
@@ -137,9 +118,9 @@ static ph_status eliminate(network *w, const ph_prony *p, int nd, const int *dro
             c[i][j] = now.m[drop[i]][drop[j]];
             S[i][j] = p->equilibrium.m[drop[i]][drop[j]];
         }
-    PH_CHECK(factor(nd, c, w->R), PH_ESINGULAR,
+    PH_CHECK(ph_i_factor(nd, c, w->R), PH_ESINGULAR,
              "the instantaneous tensor of a Prony series is not positive definite");
-    both_sides(nd, w->R, S);
+    ph_i_both_sides(nd, w->R, S);
     PH_ALLOC(w->G, 6 * (size_t)w->q, "internal variables");
     for (int k = 0; k < w->q; k++) {
         for (int i = 0; i < nd; i++)
@@ -148,14 +129,14 @@ static ph_status eliminate(network *w, const ph_prony *p, int nd, const int *dro
     }
     ph_i_jacobi(nd, 6, &S[0][0], &w->U[0][0]);
     for (int i = 0; i < nd; i++)
-        w->sigma[i] = S[i][i] > nothing ? fmin(S[i][i], 1) : 0;
+        w->sigma[i] = S[i][i] > PH_I_NOTHING ? fmin(S[i][i], 1) : 0;
 out:
     return st;
 }
 
 /* Unit vectors r_i along G^T u_i, orthogonal to those before; returns how many there are.
  * A direction that does not relax has none. @param[out] r [nd][q]; row: sigma of each */
-static int relaxing(const network *w, double *r, double *sigma)
+static int relaxing(const ph_i_network *w, double *r, double *sigma)
 {
     int count = 0;
     for (int u = 0; u < w->nd; u++) {
@@ -175,7 +156,7 @@ static int relaxing(const network *w, double *r, double *sigma)
             }
         for (int k = 0; k < w->q; k++)
             norm += x[k] * x[k];
-        if (!(norm > nothing)) continue;
+        if (!(norm > PH_I_NOTHING)) continue;
         for (int k = 0; k < w->q; k++)
             x[k] /= sqrt(norm);
         sigma[count++] = w->sigma[u];
@@ -184,7 +165,7 @@ static int relaxing(const network *w, double *r, double *sigma)
 }
 
 /* X = B T^-1/2, V = 1. */
-static ph_status build(network *w, ph_error *err)
+static ph_status build(ph_i_network *w, ph_error *err)
 {
     ph_status st = PH_OK;
     double *r = NULL, sigma[6];
@@ -230,7 +211,7 @@ static void turn(int n, double c, double s, double *x, double *y)
 }
 
 /* Columns j and k of X made orthogonal; false where they were. */
-static bool orthogonalise(network *w, int j, int k)
+static bool orthogonalise(ph_i_network *w, int j, int k)
 {
     double *x = &w->X[(size_t)j * w->rows], *y = &w->X[(size_t)k * w->rows];
     double a = dot(w->rows, x, x), b = dot(w->rows, y, y), ab = dot(w->rows, x, y);
@@ -244,7 +225,7 @@ static bool orthogonalise(network *w, int j, int k)
 }
 
 /* Rates from the columns' norms; as many of them as S has zeros are zero. */
-static ph_status rates(network *w, ph_error *err)
+static ph_status rates(ph_i_network *w, ph_error *err)
 {
     enum { SWEEPS = 60 };
     ph_status st = PH_OK;
@@ -273,8 +254,8 @@ out:
     return st;
 }
 
-static ph_status network_new(network *w, const ph_prony *p, int nd, const int *drop,
-                             ph_error *err)
+ph_status ph_i_network_new(ph_i_network *w, const ph_prony *p, int nd, const int *drop,
+                           ph_error *err)
 {
     ph_status st = PH_OK;
     PH_TRY(split_terms(w, p, err));
@@ -285,190 +266,20 @@ out:
     return st;
 }
 
-static int by_time(const void *a, const void *b)
+void ph_i_network_dropped(const ph_i_network *w, int k, double *x)
 {
-    double s = ((const ph_prony_term *)a)->time, t = ((const ph_prony_term *)b)->time;
-    return (s > t) - (s < t);
+    double R[6][6];
+    memcpy(R, w->R, sizeof R);
+    memcpy(x, &w->G[6 * k], (size_t)w->nd * sizeof *x);
+    solve_upper(w->nd, R, x);
 }
 
-/* Sorts, merges equal times, drops terms that are nothing. Returns how many are left. */
-static int tidy(int count, ph_prony_term *term, double scale)
+void ph_i_network_project(const ph_i_network *w, int mode, int n, const double *P,
+                          double *x)
 {
-    int kept = 0;
-    qsort(term, (size_t)count, sizeof *term, by_time);
-    for (int k = 0; k < count; k++) {
-        ph_prony_term *last = kept ? &term[kept - 1] : NULL;
-        if (ph_sym4_norm(&term[k].stiffness) <= 1e-16 * scale) continue;
-        if (last && term[k].time <= last->time * (1 + same_time))
-            last->stiffness = ph_sym4_combine(1, &last->stiffness, 1, &term[k].stiffness);
-        else
-            term[kept++] = term[k];
-    }
-    return kept;
-}
-
-/* One term for each rate > 0: w w^T / rate, w = (rows of `P`, n x q) T^-1/2 v; what the
- * rates that are zero give is added to `flow` as w w^T. */
-static int residues(const network *w, int n, const double *P, ph_prony_term *term,
-                    ph_sym4 *flow)
-{
-    int count = 0;
-    for (int k = 0; k < w->q; k++) {
-        double x[6] = {0}, rate = w->rate[k];
-        const double *v = &w->V[(size_t)k * w->q];
-        for (int j = 0; j < w->q; j++)
-            for (int i = 0; i < n; i++)
-                x[i] += P[6 * j + i] * (v[j] / sqrt(w->time[j]));
-        ph_sym4 *sum = rate > 0 ? &term[count].stiffness : flow;
-        sum->n = n;
+    const double *v = &w->V[(size_t)mode * w->q];
+    memset(x, 0, 6 * sizeof *x);
+    for (int k = 0; k < w->q; k++)
         for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++)
-                sum->m[i][j] += rate > 0 ? x[i] * (x[j] / rate) : x[i] * x[j];
-        if (rate > 0) term[count++].time = 1 / rate;
-    }
-    return count;
-}
-
-static const int all[6] = {0, 1, 2, 3, 4, 5};
-
-ph_status ph_prony_creep(const ph_prony *p, ph_creep **out, ph_error *err)
-{
-    ph_status st = PH_OK;
-    network w = {0};
-    ph_creep *creep = NULL;
-    double *P = NULL;
-    *out = NULL;
-    PH_TRY(network_new(&w, p, p->equilibrium.n, all, err));
-    PH_ALLOC(creep, 1, "a creep compliance");
-    PH_ALLOC(creep->term, w.q, "a creep compliance");
-    PH_ALLOC(P, 6 * (size_t)w.q, "a creep compliance");
-    ph_sym4 now = ph_prony_instantaneous(p);
-    PH_TRY(ph_sym4_inverse(&now, &creep->instantaneous, err));
-    creep->fluidity.n = w.n;
-    memcpy(P, w.G, 6 * (size_t)w.q * sizeof *P); /* C_0^-1 L = R^-1 G */
-    for (int k = 0; k < w.q; k++)
-        solve_upper(w.n, w.R, &P[6 * k]);
-    creep->nterms = residues(&w, w.n, P, creep->term, &creep->fluidity);
-    creep->nterms = tidy(creep->nterms, creep->term, ph_sym4_norm(&creep->instantaneous));
-    *out = creep;
-    creep = NULL;
-out:
-    network_free(&w);
-    free(P);
-    ph_creep_free(&creep);
-    return st;
-}
-
-void ph_creep_free(ph_creep **creep)
-{
-    if (!creep || !*creep) return;
-    free((*creep)->term);
-    free(*creep);
-    *creep = NULL;
-}
-
-static ph_sym4 creep_sum(const ph_creep *creep, double t, bool carson)
-{
-    ph_sym4 sum =
-        ph_sym4_combine(1, &creep->instantaneous, carson ? 1 / t : t, &creep->fluidity);
-    for (int m = 0; m < creep->nterms; m++) {
-        double tau = creep->term[m].time;
-        double f = carson ? 1 / (1 + t * tau) : -expm1(-t / tau);
-        sum = ph_sym4_combine(1, &sum, f, &creep->term[m].stiffness);
-    }
-    return sum;
-}
-
-ph_sym4 ph_creep_at_time(const ph_creep *creep, double t)
-{
-    return creep_sum(creep, t, false);
-}
-
-ph_sym4 ph_creep_carson(const ph_creep *creep, double s)
-{
-    return creep_sum(creep, s, true);
-}
-
-static const int kept[3] = {0, 1, 5}, dropped[3] = {2, 3, 4};
-
-/* C_pp - C_pd C_dd^+ C_dp of a positive semidefinite tensor. */
-static ph_sym4 condense_semidefinite(const ph_sym4 *c)
-{
-    ph_sym4 r = {.n = 3};
-    double a[3][3], v[3][3], most = 0;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            r.m[i][j] = c->m[kept[i]][kept[j]];
-            a[i][j] = c->m[dropped[i]][dropped[j]];
-        }
-    ph_i_jacobi(3, 3, &a[0][0], &v[0][0]);
-    for (int k = 0; k < 3; k++)
-        most = fmax(most, a[k][k]);
-    for (int k = 0; k < 3; k++) {
-        double x[3] = {0};
-        if (!(a[k][k] > nothing * most)) continue;
-        for (int i = 0; i < 3; i++)
-            for (int d = 0; d < 3; d++)
-                x[i] += c->m[kept[i]][dropped[d]] * v[d][k];
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                r.m[i][j] -= x[i] * x[j] / a[k][k];
-    }
-    return r;
-}
-
-/* L_p - C_0pd C_0dd^-1 L_d, C_0dd^-1 L_d = R^-1 G. */
-static void condensed_columns(const network *w, const ph_sym4 *now, double *P)
-{
-    for (int k = 0; k < w->q; k++) {
-        double x[3] = {w->G[6 * k], w->G[6 * k + 1], w->G[6 * k + 2]}, R[6][6];
-        memcpy(R, w->R, sizeof R);
-        solve_upper(3, R, x);
-        for (int i = 0; i < 3; i++) {
-            P[6 * k + i] = w->L[6 * k + kept[i]];
-            for (int d = 0; d < 3; d++)
-                P[6 * k + i] -= now->m[kept[i]][dropped[d]] * x[d];
-        }
-    }
-}
-
-static ph_status condense(const ph_prony *p, ph_prony **out, ph_error *err)
-{
-    ph_status st = PH_OK;
-    network w = {0};
-    ph_prony_term *term = NULL;
-    double *P = NULL;
-    ph_sym4 now = ph_prony_instantaneous(p), flow = {.n = 3};
-    PH_TRY(network_new(&w, p, 3, dropped, err));
-    PH_ALLOC(term, w.q, "a plane Prony series");
-    PH_ALLOC(P, 6 * (size_t)w.q, "a plane Prony series");
-    condensed_columns(&w, &now, P);
-    int count = residues(&w, 3, P, term, &flow); /* a pole at zero has no residue */
-    count = tidy(count, term, ph_sym4_norm(&now));
-    ph_sym4 equilibrium = condense_semidefinite(&p->equilibrium);
-    PH_TRY(ph_prony_new(&equilibrium, count, term, out, err));
-out:
-    network_free(&w);
-    free(term);
-    free(P);
-    return st;
-}
-
-ph_status ph_prony_reduce(const ph_prony *p, ph_kinematics kin, ph_prony **out,
-                          ph_error *err)
-{
-    ph_status st = PH_OK;
-    *out = NULL;
-    if (p->equilibrium.n == 6 && kin == PH_PLANE_STRESS) {
-        PH_TRY(condense(p, out, err));
-        goto out;
-    }
-    PH_TRY(ph_prony_copy(p, out, err));
-    PH_TRY(ph_sym4_reduce(&p->equilibrium, kin, &(*out)->equilibrium, err));
-    for (int m = 0; m < p->nterms; m++)
-        PH_TRY(
-            ph_sym4_reduce(&p->term[m].stiffness, kin, &(*out)->term[m].stiffness, err));
-out:
-    if (st != PH_OK) ph_prony_free(out);
-    return st;
+            x[i] += P[6 * k + i] * (v[k] / sqrt(w->time[k]));
 }

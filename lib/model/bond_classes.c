@@ -42,34 +42,52 @@ static int find_matrix(const ph_microstructure *m, ptrdiff_t *count)
     return best;
 }
 
-static double interphase(const ph_bond_classes *c, double kappa, int a, int b)
+static double cook(const ph_bond_classes *c, ph_bond_recipe r)
 {
-    double Ea = c->E[a / 2], Eb = c->E[b / 2];
-    if (Ea == 0.0 || Eb == 0.0) return 0.0;
-    if (a / 2 == b / 2) return Ea;
-    if (!(kappa > 0.0)) return 2.0 * Ea * Eb / (Ea + Eb);
+    if (r.first < 0) return 0.0;
+    double a = c->E[r.first], b = r.second < 0 ? a : c->E[r.second];
+    return r.factor * (r.second < 0 ? a : 2.0 * a * b / (a + b));
+}
+
+static ph_bond_recipe interphase(const ph_bond_classes *c, double kappa, int a, int b)
+{
+    int ma = a / 2, mb = b / 2;
+    double Ea = c->E[ma], Eb = c->E[mb];
+    if (Ea == 0.0 || Eb == 0.0) return (ph_bond_recipe){-1, -1, 0.0};
+    if (ma == mb) return (ph_bond_recipe){ma, -1, 1.0};
+    if (!(kappa > 0.0)) return (ph_bond_recipe){ma, mb, 1.0};
     bool a_filler = a % 2, b_filler = b % 2;
-    double matrix = a_filler == b_filler ? fmin(Ea, Eb) : a_filler ? Eb : Ea;
-    return kappa * matrix;
+    int matrix = a_filler == b_filler ? (Ea <= Eb ? ma : mb) : a_filler ? mb : ma;
+    return (ph_bond_recipe){matrix, -1, kappa};
+}
+
+static ph_bond_recipe softer(const ph_bond_classes *c, ph_bond_recipe a, ph_bond_recipe b)
+{
+    return cook(c, a) <= cook(c, b) ? a : b;
 }
 
 /* Bonds of two fillers: no stiffer than the matrix, and than either one's interphase. */
-static double agglomeration(const ph_bond_classes *c, double kappa, int a, int b)
+static ph_bond_recipe agglomeration(const ph_bond_classes *c, double kappa, int a, int b)
 {
-    double Ea = c->E[a / 2], Eb = c->E[b / 2];
-    if (Ea == 0.0 || Eb == 0.0) return 0.0;
-    if (c->matrix < 0) return fmin(fmin(Ea, Eb), interphase(c, kappa, a, b));
+    ph_bond_recipe ra = {a / 2, -1, 1.0}, rb = {b / 2, -1, 1.0};
+    if (c->E[a / 2] == 0.0 || c->E[b / 2] == 0.0) return (ph_bond_recipe){-1, -1, 0.0};
+    if (c->matrix < 0) return softer(c, softer(c, ra, rb), interphase(c, kappa, a, b));
     int m = 2 * c->matrix;
-    double Em = c->E[c->matrix];
-    return fmin(Em, fmin(interphase(c, kappa, m, a), interphase(c, kappa, m, b)));
+    ph_bond_recipe matrix = {c->matrix, -1, 1.0};
+    ph_bond_recipe worse =
+        softer(c, interphase(c, kappa, m, a), interphase(c, kappa, m, b));
+    return softer(c, matrix, worse);
 }
 
 static void fill_tables(ph_bond_classes *c, double kappa)
 {
     for (int a = 0; a < c->count; a++)
         for (int b = 0; b < c->count; b++) {
-            c->pair[a * c->count + b] = interphase(c, kappa, a, b);
-            c->apart[a * c->count + b] = agglomeration(c, kappa, a, b);
+            int at = a * c->count + b;
+            c->how[at] = interphase(c, kappa, a, b);
+            c->how_apart[at] = agglomeration(c, kappa, a, b);
+            c->pair[at] = cook(c, c->how[at]);
+            c->apart[at] = cook(c, c->how_apart[at]);
         }
 }
 
@@ -104,6 +122,8 @@ ph_status ph_i_bond_classes_new(const ph_microstructure *m, double kappa,
     PH_ALLOC(c->E, c->materials + 1, "moduli");
     PH_ALLOC(c->pair, c->count * c->count, "moduli of bonds");
     PH_ALLOC(c->apart, c->count * c->count, "moduli of bonds");
+    PH_ALLOC(c->how, c->count * c->count, "moduli of bonds");
+    PH_ALLOC(c->how_apart, c->count * c->count, "moduli of bonds");
     PH_ALLOC(c->class, cells, "bond classes");
     PH_ALLOC(c->owner, cells, "owners");
     label(c, m, source);
@@ -134,6 +154,8 @@ void ph_i_bond_classes_free(ph_bond_classes **out)
     free(c->E);
     free(c->pair);
     free(c->apart);
+    free(c->how);
+    free(c->how_apart);
     free(c->class);
     free(c->owner);
     free(c);

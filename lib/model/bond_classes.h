@@ -16,16 +16,24 @@
 
 #include "core/memory.h"
 
+/** How the modulus of a bond follows from those of two materials:
+ *  factor E[first], or with a second one factor 2 E_a E_b / (E_a + E_b); first -1: none. */
+typedef struct ph_bond_recipe {
+    int first, second; /* materials, or -1 */
+    double factor;
+} ph_bond_recipe;
+
 typedef struct ph_bond_classes {
     ptrdiff_t cells;
-    int materials;  /* and one more: nothing */
-    int count;      /* 2 (materials + 1): class = 2 material + (in a filler) */
-    int matrix;     /* material, or -1 */
-    double *E;      /* [materials + 1] */
-    double *pair;   /* [count][count] modulus of a bond between classes */
-    double *apart;  /* [count][count] the same where the ends are in different fillers */
-    int32_t *class; /* [cells] */
-    int32_t *owner; /* [cells] filler, 0: none */
+    int materials; /* and one more: nothing */
+    int count;     /* 2 (materials + 1): class = 2 material + (in a filler) */
+    int matrix;    /* material, or -1 */
+    double *E;     /* [materials + 1] */
+    double *pair;  /* [count][count] modulus of a bond between classes */
+    double *apart; /* [count][count] the same where the ends are in different fillers */
+    ph_bond_recipe *how, *how_apart; /* [count][count] of `pair` and `apart` */
+    int32_t *class;                  /* [cells] */
+    int32_t *owner;                  /* [cells] filler, 0: none */
 } ph_bond_classes;
 
 /** @param[in] kappa interphase factor; 0 or NaN: the harmonic mean

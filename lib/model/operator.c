@@ -277,6 +277,16 @@ void ph_i_operator_stabilise(ph_operator *op, double factor)
     if (op->damaged) op->damaged->s = factor * op->s;
 }
 
+ph_status ph_i_operator_renew_springs(ph_operator *op, ph_error *err)
+{
+    const ph_family *family = op->springs->family;
+    const ph_bond_classes *classes = op->springs->classes;
+    ph_route route = ph_i_springs_route(op->springs);
+    ph_i_springs_free(&op->springs);
+    return ph_i_springs_new(&op->layout, op->fft, family, classes, route, op->threads,
+                            op->meter, &op->springs, err);
+}
+
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat)
 {
     for (int a = 0; a < op->layout.nd; a++)

@@ -56,6 +56,10 @@ void ph_i_operator_free(ph_operator **out);
 /** Multiply the coefficient of (S) that the operator was made with. @param factor >= 0 */
 void ph_i_operator_stabilise(ph_operator *op, double factor);
 
+/** Springs of other moduli, where the tables of their classes have changed.
+ *  @return PH_OK; PH_ENOMEM: then there are no springs */
+ph_status ph_i_operator_renew_springs(ph_operator *op, ph_error *err);
+
 /** Take in bonds that have broken since the operator was made, or since the last call: only
  *  their nodes are made anew. Not of the route `bonds`, whose lists are made once.
  *  @return PH_OK; PH_ENOMEM */

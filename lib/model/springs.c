@@ -100,6 +100,9 @@ static int choose_products(ph_springs *s, const census *n, double *v)
     double rest = (double)(n->solid - (n->main < 0 ? 0 : n->cells[n->main]));
     double pairs = rest * rest / (double)c->cells * (double)s->family->count;
     bool small = n->nused <= PH_SPRING_TERMS;
+    /* a part of the moduli that the main class has nothing of */
+    if (n->main >= 0 && c->pair[(ptrdiff_t)n->main * (c->count + 1)] == 0.0)
+        return small ? eigen_products(c, n, s->lambda, v) : 0;
     double one = sweep_cost(s, 1.0) + ns_pair * pairs;
     /* bonds between fillers are in the rest of either: counted in full, from above */
     double all = sweep_cost(s, n->nused) + (n->fillers ? ns_pair * pairs : 0.0);

@@ -5,6 +5,8 @@
 #define PERIHOM_OUTPUT_H
 
 #include <perihom/case.h>
+#include <perihom/relaxation.h>
+#include <perihom/viscoelastic.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -21,6 +23,35 @@ extern "C" {
  *  @return PH_OK; PH_EINVAL; PH_ENOMEM. Tested: tests/io/test_result_json.c */
 PH_API ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
                                    const char *command, char **json, ph_error *err);
+
+/** What is asked of an effective relaxation, evaluated. Owns its parts. */
+typedef struct ph_relaxation_report {
+    ph_prony *series; /* compressed where the case asks for it, else as computed */
+    double fit_error; /* of the compression, see ph_prony_compress; 0: none */
+    ph_constants *constants;
+    ph_table *curves;   /* "time", C11 ... */
+    ph_table *dynamic;  /* "omega", C11_storage, ... */
+    ph_table *terms;    /* "time", C11 ... */
+    ph_table *response; /* "time", strain_11 ..., stress_11 ...; NULL without a history */
+} ph_relaxation_report;
+/** @param[in] v with a series; `wanted` the case's, or NULL: automatic.
+ *  @return PH_OK; PH_EINVAL (no series); PH_ESINGULAR (history of stress, no compliance);
+ *  PH_ENOMEM. Tested: tests/io/test_relaxation_report.c */
+PH_API ph_status ph_relaxation_report_new(const ph_viscoelastic *v,
+                                          const ph_case_viscoelastic *wanted,
+                                          ph_relaxation_report **out, ph_error *err);
+PH_API void ph_relaxation_report_free(ph_relaxation_report **report);
+
+/** The result document of a viscoelastic computation: that of the instantaneous problem
+ *  (ph_result_to_json) with the block effective.viscoelastic (docs/results.md).
+ *  @param[in] report of v, or NULL where the route gives no series */
+PH_API ph_status ph_viscoelastic_to_json(const ph_viscoelastic *v,
+                                         const ph_relaxation_report *report,
+                                         const ph_case *c, const char *command,
+                                         char **json, ph_error *err);
+/** A series as `stiffness` of a material of a case file (YAML), malloc'd. n = 6 only. */
+PH_API ph_status ph_prony_to_yaml(const ph_prony *p, const char *name, char **text,
+                                  ph_error *err);
 
 /** The steps of damage as a table, one row a step: value, density, C11 .. (Voigt, upper
  *  triangle), psi1 .., anisotropy_index, mean_damage, counts. The text is malloc'd.

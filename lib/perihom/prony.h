@@ -99,6 +99,30 @@ typedef struct ph_modulus {
     const ph_modulus_term *term; /* borrowed; any order, times distinct */
 } ph_modulus;
 
+/** A number that relaxes, x(t) = infinity + sum modulus_m exp(-t / time_m); the coefficients
+ *  of a modulus are >= 0, those of a Poisson ratio have any sign. Owns `term`. */
+typedef struct ph_curve {
+    double infinity;
+    int nterms;
+    ph_modulus_term *term;
+} ph_curve;
+PH_API void ph_curve_free(ph_curve *curve);
+PH_API double ph_curve_at_time(const ph_curve *curve, double t);
+/** x(i omega) = re + i im, see ph_prony_complex. */
+PH_API void ph_curve_complex(const ph_curve *curve, double omega, double *re, double *im);
+
+/** Relaxation under stress along one component only (the others' stresses zero), exactly:
+ *  the modulus x(s) = 1/J_kk(s) or, with `lateral` = l, the ratio x(s) = -J_lk(s)/J_kk(s).
+ *  E1(t): component 0; nu12(t): component 0, lateral 1; in Mandel notation, so that a
+ *  shear modulus is half of that of its component.
+ *  This is not the modulus of the tensor C(t): a step of strain leaves lateral strains that
+ *  change in time.
+ *  @param component 0-based; lateral < 0: the modulus
+ *  @return PH_OK; PH_EINVAL; PH_ESINGULAR (no instantaneous compliance); PH_ENOMEM
+ *  Tested: tests/unit/test_prony_network.c */
+PH_API ph_status ph_prony_uniaxial(const ph_prony *p, int component, int lateral,
+                                   ph_curve *out, ph_error *err);
+
 #ifdef __cplusplus
 }
 #endif

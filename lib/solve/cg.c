@@ -82,12 +82,14 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
         return ph_i_give_up(PH_ESINGULAR, rep, "the load is not finite", err);
     if (!take_guess(s, b2, x, r, p, q, rep)) memset(x, 0, bytes);
     memset(p, 0, bytes);
-    while (rep->residual > rep->tolerance) {
-        if (rep->iterations >= rep->max_iterations)
+    for (;;) {
+        bool converged = !(rep->residual > rep->tolerance);
+        if (converged && !(rep->least > 0.0)) return PH_OK;
+        if (!converged && rep->iterations >= rep->max_iterations)
             return ph_i_give_up(PH_ENOCONV, rep, "not converged", err);
         s->precondition(s->self, r, q); /* z lives in q until A p is there */
         double rz_new = ph_i_dot(space, r, q);
-        if (bound_energy(&bound, rz_new, rep)) return PH_OK;
+        if (bound_energy(&bound, rz_new, rep) || converged) return PH_OK;
         ph_i_direction(space, rep->iterations ? rz_new / rz : 0.0, q, p);
         rz = rz_new;
         s->apply(s->self, p, q);
@@ -105,5 +107,4 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
         if (ph_i_told_to_stop(rep))
             return ph_i_give_up(PH_ECANCELLED, rep, "interrupted", err);
     }
-    return PH_OK;
 }

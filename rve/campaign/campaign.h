@@ -90,6 +90,8 @@ typedef struct ph_i_store {
     ptrdiff_t dropped;   /* damaged lines found */
     ptrdiff_t differing; /* realisations that came with two results */
     double sync_seconds; /* of the last sync */
+    char *window;        /* a piece of the file, for reading lines one by one */
+    int64_t window_at, window_size;
 } ph_i_store;
 
 /** Make the folder, take its lock, read the file or begin it.
@@ -102,7 +104,7 @@ ph_status ph_i_store_add(ph_i_store *s, const ph_i_record *r, ph_error *err);
 /** Everything added is on disk after it, in one write. On failure the file ends as before. */
 ph_status ph_i_store_sync(ph_i_store *s, ph_error *err);
 /** Line of an entry, read back. */
-ph_status ph_i_store_get(const ph_i_store *s, const ph_i_entry *e, ph_i_record *r,
+ph_status ph_i_store_get(ph_i_store *s, const ph_i_entry *e, ph_i_record *r,
                          ph_error *err);
 /** Put the entries in order, one a realisation: a success before a failure, then the
  *  lexicographically first line, so that no order of adding matters. */
@@ -141,8 +143,7 @@ ph_status ph_i_tally_add(ph_i_tally *t, const ph_i_record *r, ph_error *err);
 /** Realisations 0 .. this - 1 of a point are certainly needed. */
 int64_t ph_i_tally_wanted(const ph_i_tally *t, int point);
 /** All entries of a store. */
-ph_status ph_i_tally_load(ph_i_tally *t, const ph_i_store *s, bool skip_failed,
-                          ph_error *err);
+ph_status ph_i_tally_load(ph_i_tally *t, ph_i_store *s, bool skip_failed, ph_error *err);
 
 /* ---- pool.c: worker processes */
 
@@ -154,7 +155,7 @@ typedef struct ph_i_task {
 
 typedef ph_status ph_i_work(void *user, const ph_i_task *task, ph_i_record *out);
 
-enum { PH_I_QUEUE = 32 };
+enum { PH_I_QUEUE = 32, PH_I_WORKERS = 256 };
 typedef struct ph_i_worker {
     long pid; /* 0: none */
     int to, from;
@@ -163,7 +164,7 @@ typedef struct ph_i_worker {
 } ph_i_worker;
 
 typedef struct ph_i_pool {
-    int n;
+    int n, last; /* last: the worker of the last result */
     ph_i_worker *worker;
     ph_i_work *work;
     void *user;
@@ -171,8 +172,8 @@ typedef struct ph_i_pool {
 } ph_i_pool;
 ph_status ph_i_pool_start(ph_i_pool *p, int workers, ph_i_work *work, void *user,
                           const int keep_out[2], ph_error *err);
-/** Give a worker one more task. False: it is dead. */
-bool ph_i_pool_send(ph_i_pool *p, int worker, const ph_i_task *task);
+/** Give a worker n more tasks. False: it is dead. */
+bool ph_i_pool_send(ph_i_pool *p, int worker, const ph_i_task *task, int n);
 /** Wait up to `seconds` for a result. @return 1: a result from `worker`; 2: that worker died,
  *  its tasks are still in its queue, `how` says of what; 0: nothing. */
 int ph_i_pool_wait(ph_i_pool *p, double seconds, int *worker, ph_i_record *out, char *how,
@@ -189,6 +190,11 @@ void ph_i_crew_choose(const ph_campaign *c, const ph_campaign_params *params,
                       int *workers, int *threads);
 /** Put the file in order and sum it up. */
 ph_status ph_i_result_make(ph_i_store *store, ph_campaign_result **out, ph_error *err);
+
+/* ---- rows_hdf5.c, plots.c: what follows from the lines of a sorted store */
+
+ph_status ph_i_rows_write(ph_i_store *store, const char *path, ph_error *err);
+ph_status ph_i_plots_write(ph_i_store *s, const ph_campaign_result *r, ph_error *err);
 
 /** FNV-1a, 64 bits. Start with PH_I_HASH_START. */
 #define PH_I_HASH_START 0xcbf29ce484222325u

@@ -143,13 +143,19 @@ ph_status ph_campaign_write(const ph_campaign *c, const char *folder,
                             const ph_campaign_result *r, ph_error *err)
 {
     ph_status st = PH_OK;
+    ph_i_store store = {.lock = -1, .fd = -1};
     char path[1200];
     char *json = NULL;
     PH_CHECK(c && folder && r, PH_EINVAL, "NULL campaign, folder or result");
+    PH_TRY(ph_i_store_open(&store, folder, c, err));
     PH_TRY(ph_campaign_to_json(c, r, &json, err));
     snprintf(path, sizeof path, "%s/campaign.json", folder);
     PH_TRY(ph_write_file(path, json, strlen(json), err));
+    snprintf(path, sizeof path, "%s/campaign.h5", folder);
+    PH_TRY(ph_i_rows_write(&store, path, err));
+    PH_TRY(ph_i_plots_write(&store, r, err));
 out:
+    ph_i_store_close(&store);
     free(json);
     return st;
 }

@@ -18,18 +18,19 @@
 
 _Static_assert(sizeof(ph_i_record) <= PIPE_BUF, "a result must go through a pipe whole");
 
-/* All of it, or false at the end of the stream and on errors. */
-static bool read_all(int fd, void *to, size_t n)
+/* All of it: 1; nothing there yet: 0; the end of the stream or an error: -1. */
+static int read_all(int fd, void *to, size_t n)
 {
     char *at = to;
     while (n > 0) {
         ssize_t got = read(fd, at, n);
         if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) return false;
+        if (got < 0 && errno == EAGAIN && at == to) return 0;
+        if (got <= 0) return -1;
         at += got;
         n -= (size_t)got;
     }
-    return true;
+    return 1;
 }
 
 static bool write_all(int fd, const void *from, size_t n)
@@ -70,7 +71,7 @@ static void serve(ph_i_pool *p, int me, int from, int to)
         }
     for (int k = 0; k < 2; k++)
         close_fd(&p->keep_out[k]);
-    while (read_all(from, &task, sizeof task)) {
+    while (read_all(from, &task, sizeof task) > 0) {
         memset(&result, 0, sizeof result);
         result.point = task.point;
         result.i = task.i;
@@ -94,6 +95,7 @@ static ph_status spawn(ph_i_pool *p, int w, ph_error *err)
         close(up[0]);
         serve(p, w, down[0], up[1]);
     }
+    fcntl(up[0], F_SETFL, O_NONBLOCK);
     p->worker[w] = (ph_i_worker){.pid = pid, .to = down[1], .from = up[0]};
     down[1] = up[0] = -1;
 out:
@@ -120,12 +122,13 @@ out:
     return st;
 }
 
-bool ph_i_pool_send(ph_i_pool *p, int w, const ph_i_task *task)
+bool ph_i_pool_send(ph_i_pool *p, int w, const ph_i_task *task, int n)
 {
     ph_i_worker *worker = &p->worker[w];
-    if (worker->pid == 0 || worker->count == PH_I_QUEUE) return false;
-    if (!write_all(worker->to, task, sizeof *task)) return false;
-    worker->queue[(worker->first + worker->count++) % PH_I_QUEUE] = *task;
+    if (worker->pid == 0 || worker->count + n > PH_I_QUEUE) return false;
+    if (!write_all(worker->to, task, sizeof *task * (size_t)n)) return false;
+    for (int k = 0; k < n; k++)
+        worker->queue[(worker->first + worker->count++) % PH_I_QUEUE] = task[k];
     return true;
 }
 
@@ -147,30 +150,43 @@ static void bury(ph_i_worker *worker, char *how, size_t size)
     close_fd(&worker->from);
 }
 
+/* What a worker has for us, as ph_i_pool_wait returns it. */
+static int take(ph_i_pool *p, int worker, ph_i_record *out, char *how, size_t size)
+{
+    ph_i_worker *w = &p->worker[worker];
+    int got = read_all(w->from, out, sizeof *out);
+    if (got > 0) {
+        w->first = (w->first + 1) % PH_I_QUEUE;
+        w->count--;
+        return 1;
+    }
+    if (got == 0) return 0;
+    bury(w, how, size);
+    return 2;
+}
+
 int ph_i_pool_wait(ph_i_pool *p, double seconds, int *worker, ph_i_record *out, char *how,
                    size_t size)
 {
-    struct pollfd fds[256];
-    int at[256], n = 0;
-    for (int w = 0; w < p->n && n < 256; w++)
+    struct pollfd fds[PH_I_WORKERS];
+    int at[PH_I_WORKERS], n = 0, what = 0;
+    if (p->worker[p->last].pid != 0) { /* it may have more */
+        *worker = p->last;
+        what = take(p, p->last, out, how, size);
+        if (what) return what;
+    }
+    for (int w = 0; w < p->n; w++)
         if (p->worker[w].pid != 0) {
             fds[n] = (struct pollfd){.fd = p->worker[w].from, .events = POLLIN};
             at[n++] = w;
         }
     if (poll(fds, (nfds_t)n, (int)(1e3 * seconds)) <= 0) return 0;
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n && what == 0; k++) {
         if (!(fds[k].revents & (POLLIN | POLLHUP | POLLERR))) continue;
-        ph_i_worker *w = &p->worker[at[k]];
-        *worker = at[k];
-        if (read_all(w->from, out, sizeof *out)) {
-            w->first = (w->first + 1) % PH_I_QUEUE;
-            w->count--;
-            return 1;
-        }
-        bury(w, how, size);
-        return 2;
+        *worker = p->last = at[k];
+        what = take(p, at[k], out, how, size);
     }
-    return 0;
+    return what;
 }
 
 ph_status ph_i_pool_renew(ph_i_pool *p, int worker, ph_error *err)

@@ -91,23 +91,21 @@ out:
     return st;
 }
 
-ph_status ph_campaign_read(const char *path, const char *const *sets, size_t nsets,
-                           ph_campaign **out, ph_case_issues *issues, ph_error *err)
+ph_status ph_campaign_parse(const char *text, size_t length, const char *name,
+                            const char *const *sets, size_t nsets, ph_campaign **out,
+                            ph_case_issues *issues, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_case_issues own = {0};
     ph_campaign *c = NULL;
     ph_i_node *root = NULL;
-    char *text = NULL;
-    size_t length = 0;
-    ph_i_reader r = {.file = path, .issues = issues ? issues : &own};
+    ph_i_reader r = {.file = name, .issues = issues ? issues : &own};
     *out = NULL;
     PH_ALLOC(c, 1, "a campaign");
-    PH_CHECK(strlen(path) < sizeof c->path, PH_EINVAL, "%.100s...: the path is too long",
-             path);
-    strcpy(c->path, path);
-    ph_i_folder_of(path, c->folder, sizeof c->folder);
-    PH_TRY(ph_i_read_file(path, MAX_FILE, "campaign file", &text, &length, err));
+    PH_CHECK(strlen(name) < sizeof c->path, PH_EINVAL, "%.100s...: the path is too long",
+             name);
+    strcpy(c->path, name);
+    ph_i_folder_of(name, c->folder, sizeof c->folder);
     PH_TRY(ph_i_tree_parse(&r, text, length, &root, err));
     if (r.issues->count == 0 && (!root || ph_i_is_null(root))) {
         ph_i_tree_free(&root);
@@ -120,8 +118,21 @@ ph_status ph_campaign_read(const char *path, const char *const *sets, size_t nse
     c = NULL;
 out:
     ph_i_tree_free(&root);
-    free(text);
     ph_campaign_free(&c);
     ph_case_issues_free(&own);
+    return st;
+}
+
+ph_status ph_campaign_read(const char *path, const char *const *sets, size_t nsets,
+                           ph_campaign **out, ph_case_issues *issues, ph_error *err)
+{
+    ph_status st = PH_OK;
+    char *text = NULL;
+    size_t length = 0;
+    *out = NULL;
+    PH_TRY(ph_i_read_file(path, MAX_FILE, "campaign file", &text, &length, err));
+    PH_TRY(ph_campaign_parse(text, length, path, sets, nsets, out, issues, err));
+out:
+    free(text);
     return st;
 }

@@ -17,14 +17,25 @@ static size_t close_line(char *text, size_t n)
                                 (unsigned)(hash ^ hash >> 32));
 }
 
-/* The text of an error as a JSON string without its quotes: one line of ASCII or UTF-8. */
+/* A JSON string: one line, UTF-8; what is none becomes U+FFFD. */
 static size_t put_text(char *text, size_t n, const char *from)
 {
-    json_t *string = json_string(from);
-    char *dump = string ? json_dumps(string, JSON_ENCODE_ANY) : NULL;
-    n += (size_t)snprintf(text + n, PH_I_LINE - n, "%s", dump ? dump : "\"\"");
-    free(dump);
-    json_decref(string);
+    uint32_t code;
+    text[n++] = '"';
+    for (const char *at = from; ph_i_utf8_next(&at, &code) && n + 32 < PH_I_LINE;
+         from = at) {
+        if (code == '"' || code == '\\') {
+            text[n++] = '\\';
+            text[n++] = (char)code;
+        } else if (code < 32 || code == 0xfffd) {
+            n += (size_t)snprintf(text + n, 8, "\\u%04x", code);
+        } else {
+            memcpy(text + n, from, (size_t)(at - from));
+            n += (size_t)(at - from);
+        }
+    }
+    text[n++] = '"';
+    text[n] = 0;
     return n;
 }
 
@@ -41,7 +52,10 @@ size_t ph_i_record_line(const ph_campaign *c, const ph_i_record *r, char *text)
     for (int k = 0; k < c->noutputs; k++) {
         n += (size_t)snprintf(text + n, PH_I_LINE - n, ", ");
         n = put_text(text, n, c->output[k].name);
-        n += (size_t)snprintf(text + n, PH_I_LINE - n, ": %.17g", r->value[k]);
+        text[n++] = ':';
+        text[n++] = ' ';
+        ph_i_short_number(text + n, 40, 17, r->value[k]);
+        n += strlen(text + n);
     }
     n += (size_t)snprintf(text + n, PH_I_LINE - n, ", \"iterations\": %d", r->iterations);
     return close_line(text, n);
@@ -76,42 +90,74 @@ static ph_status status_of(const char *text)
     return PH_EINTERNAL;
 }
 
-static bool take_values(const ph_campaign *c, const json_t *line, ph_i_record *r)
+/* The rest of a line behind "text"; NULL if it does not go on so. */
+static const char *skip(const char *at, const char *text)
 {
-    for (int k = 0; k < c->noutputs; k++) {
-        const json_t *x = json_object_get(line, c->output[k].name);
-        if (!json_is_number(x)) return false;
-        r->value[k] = json_number_value(x);
-        if (!isfinite(r->value[k])) return false;
-    }
-    r->iterations = (int)json_integer_value(json_object_get(line, "iterations"));
-    return true;
+    size_t n = strlen(text);
+    return at && strncmp(at, text, n) == 0 ? at + n : NULL;
 }
 
-static bool take(const ph_campaign *c, const json_t *line, ph_i_record *r)
+static const char *skip_integer(const char *at, int64_t most, int64_t *out)
 {
-    const json_t *point = json_object_get(line, "point"), *i = json_object_get(line, "i"),
-                 *failed = json_object_get(line, "failed");
-    if (!json_is_integer(point) || !json_is_integer(i)) return false;
-    if (json_integer_value(point) < 0 || json_integer_value(point) >= c->npoints)
-        return false;
-    if (json_integer_value(i) < 0 || json_integer_value(i) > INT32_MAX) return false;
-    *r = (ph_i_record){.point = (int)json_integer_value(point),
-                       .i = json_integer_value(i)};
-    if (!failed) return take_values(c, line, r);
-    const char *message = json_string_value(json_object_get(line, "message"));
-    if (!json_is_string(failed) || !message) return false;
-    r->status = status_of(json_string_value(failed));
-    snprintf(r->message, sizeof r->message, "%s", message);
+    char *end;
+    if (!at || *at < '0' || *at > '9') return NULL;
+    *out = strtoll(at, &end, 10);
+    return *out <= most ? end : NULL;
+}
+
+static const char *skip_number(const char *at, double *out)
+{
+    char number[40];
+    size_t n = at ? strcspn(at, ",") : 0;
+    if (n == 0 || n >= sizeof number) return NULL;
+    memcpy(number, at, n);
+    number[n] = 0;
+    return ph_i_text_to_number(number, out) && isfinite(*out) ? at + n : NULL;
+}
+
+/* The values of a success: exactly what ph_i_record_line writes, the check is known to be
+ * right, so nothing more general is needed. */
+static bool take_values(const ph_campaign *c, const char *at, ph_i_record *r)
+{
+    char key[2 * sizeof c->output->name + 8];
+    int64_t iterations = 0;
+    for (int k = 0; k < c->noutputs; k++) {
+        size_t n = put_text(key, 0, c->output[k].name);
+        snprintf(key + n, sizeof key - n, ": ");
+        at = skip_number(skip(skip(at, ", "), key), &r->value[k]);
+    }
+    at = skip_integer(skip(at, ", \"iterations\": "), INT32_MAX, &iterations);
+    r->iterations = (int)iterations;
+    return skip(at, check_key) != NULL;
+}
+
+static bool take_failure(const char *line, size_t length, ph_i_record *r)
+{
+    json_t *object = json_loadb(line, length, 0, NULL);
+    const char *failed = json_string_value(json_object_get(object, "failed")),
+               *message = json_string_value(json_object_get(object, "message"));
+    if (failed && message) {
+        r->status = status_of(failed);
+        snprintf(r->message, sizeof r->message, "%s", message);
+    }
+    json_decref(object);
     return r->status != PH_OK;
 }
 
 bool ph_i_record_parse(const ph_campaign *c, const char *line, size_t length,
                        ph_i_record *r)
 {
+    int64_t point = 0, i = 0;
     if (!check_is_right(line, length)) return false;
-    json_t *object = json_loadb(line, length, 0, NULL);
-    bool good = object && take(c, object, r);
-    json_decref(object);
-    return good;
+    const char *at = skip_integer(skip(line, "{\"point\": "), c->npoints - 1, &point);
+    at = skip_integer(skip(at, ", \"i\": "), INT32_MAX, &i);
+    if (!at) return false;
+    r->point = (int)point;
+    r->i = i;
+    r->status = PH_OK;
+    r->message[0] = 0;
+    r->seconds = 0.0;
+    r->bytes = 0;
+    return skip(at, ", \"failed\"") ? take_failure(line, length, r)
+                                    : take_values(c, at, r);
 }

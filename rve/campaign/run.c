@@ -6,8 +6,8 @@
 #include <omp.h>
 #endif
 
-#include <fcntl.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -19,7 +19,7 @@ typedef struct engine {
     ph_i_tally tally;
     ph_i_pool pool;
     ph_campaign_progress now;
-    int costs;       /* file of what realisations cost, or -1 */
+    FILE *costs;     /* what realisations cost, or NULL */
     size_t nknown;   /* entries that were there before, sorted */
     int64_t *issued; /* [npoints] realisations below this are there, or with a worker */
     int *ready;      /* ring of points that may have something to issue */
@@ -137,21 +137,31 @@ static int queue_depth(const engine *e)
     return depth < PH_I_QUEUE ? (int)depth : PH_I_QUEUE;
 }
 
+/* Up to n more tasks for a worker, in one message. False: there are no more. */
+static bool give(engine *e, int worker, int n)
+{
+    ph_i_task task[PH_I_QUEUE];
+    int count = 0;
+    while (count < n && next_task(e, &task[count]))
+        count++;
+    if (count > 0 && ph_i_pool_send(&e->pool, worker, task, count))
+        e->outstanding += count;
+    else /* it is dying; ph_i_pool_wait will say so */
+        for (int k = 0; k < count; k++)
+            e->again[e->nagain++] = task[k];
+    return count == n;
+}
+
+/* Queues are filled when they are half empty; short ones one task each in turn, so that the
+ * last tasks are spread over all workers. */
 static void issue(engine *e)
 {
-    int depth = queue_depth(e);
-    ph_i_task task;
-    /* one each in turn, so that the last ones are spread over all workers */
-    for (int level = 1; level <= depth; level++)
+    int depth = queue_depth(e), most = depth > 4 ? depth : 1;
+    for (int level = depth > 4 ? depth : 1; level <= depth; level++)
         for (int w = 0; w < e->pool.n; w++) {
-            if (e->pool.worker[w].pid == 0 || e->pool.worker[w].count >= level) continue;
-            if (!next_task(e, &task)) return;
-            if (!ph_i_pool_send(&e->pool, w, &task)) {
-                /* it is dying; ph_i_pool_wait will say so */
-                e->again[e->nagain++] = task;
-                return;
-            }
-            e->outstanding++;
+            int count = e->pool.worker[w].count, free = level - count;
+            if (e->pool.worker[w].pid == 0 || free <= 0 || 2 * free < most) continue;
+            if (!give(e, w, free < most ? free : most)) return;
         }
 }
 
@@ -168,13 +178,10 @@ static ph_status take(engine *e, const ph_i_record *r, ph_error *err)
     e->spent += r->seconds;
     e->now.point = r->point;
     e->now.failed += r->status != PH_OK;
-    if (e->costs >= 0) {
-        char line[160];
-        int n = snprintf(line, sizeof line, "%d,%lld,%.6g,%zu\n", r->point,
-                         (long long)r->i, r->seconds, r->bytes);
-        /* of no consequence: what was lost is not missed */
-        if (write(e->costs, line, (size_t)n) < 0) e->costs = -1;
-    }
+    /* buffered, not synced: what is lost of it is not missed */
+    if (e->costs)
+        fprintf(e->costs, "%d,%lld,%.6g,%zu\n", r->point, (long long)r->i, r->seconds,
+                r->bytes);
 out:
     return st;
 }
@@ -248,10 +255,10 @@ static bool report(engine *e)
 }
 
 /* A sync is worth twenty times what it takes. */
-static ph_status sync_if_due(engine *e, bool idle, ph_error *err)
+static ph_status sync_if_due(engine *e, bool idle, double now, ph_error *err)
 {
     double every = fmin(fmax(20.0 * e->store.sync_seconds, 0.05), 2.0);
-    if (!idle && seconds() - e->synced < every) return PH_OK;
+    if (!idle && now - e->synced < every) return PH_OK;
     ph_status st = ph_i_store_sync(&e->store, err);
     e->synced = seconds();
     return st;
@@ -273,8 +280,9 @@ static ph_status loop(engine *e, ph_error *err)
         } else if (what == 2) {
             PH_TRY(take_death(e, worker, how, err));
         }
-        PH_TRY(sync_if_due(e, what == 0, err));
-        if (seconds() - e->shown > 0.1 || e->now.event)
+        double now = seconds();
+        PH_TRY(sync_if_due(e, what == 0, now, err));
+        if (now - e->shown > 0.1 || e->now.event)
             PH_CHECK(report(e), PH_ECANCELLED, "interrupted");
     }
 out:
@@ -300,10 +308,8 @@ static ph_status prepare(engine *e, ph_error *err)
         make_ready(e, p);
     snprintf(path, sizeof path, "%s/costs.csv", e->store.folder);
     bool fresh = access(path, F_OK) != 0;
-    e->costs = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-    static const char header[] = "point,i,seconds,bytes\n";
-    if (fresh && e->costs >= 0 && write(e->costs, header, sizeof header - 1) < 0)
-        e->costs = -1;
+    e->costs = fopen(path, "a");
+    if (fresh && e->costs) fputs("point,i,seconds,bytes\n", e->costs);
 out:
     return st;
 }
@@ -333,7 +339,7 @@ ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params
                           ph_campaign_result **out, ph_error *err)
 {
     ph_status st = PH_OK;
-    engine e = {.c = c, .params = params, .costs = -1, .started = seconds()};
+    engine e = {.c = c, .params = params, .started = seconds()};
     e.store = (ph_i_store){.lock = -1, .fd = -1};
     PH_CHECK(out, PH_EINVAL, "NULL result");
     *out = NULL;
@@ -358,7 +364,7 @@ ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params
         st = PH_FAIL(err, PH_EPARTIAL, "%lld of %lld realisations failed",
                      (long long)(*out)->failed, (long long)(*out)->realisations);
 out:
-    if (e.costs >= 0) close(e.costs);
+    if (e.costs) fclose(e.costs);
     ph_i_tally_clear(&e.tally);
     ph_i_store_close(&e.store);
     free(e.issued);

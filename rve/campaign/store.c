@@ -11,6 +11,9 @@
 #include <time.h>
 #include <unistd.h>
 
+enum { WINDOW = 1 << 17 };
+_Static_assert((int)PH_I_LINE < (int)WINDOW, "a line fits into the window");
+
 static ph_status make_folder(const char *folder, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -187,6 +190,7 @@ void ph_i_store_close(ph_i_store *s)
     if (s->lock >= 0) close(s->lock);
     free(s->waiting);
     free(s->entry);
+    free(s->window);
     *s = (ph_i_store){.lock = -1, .fd = -1};
 }
 
@@ -230,18 +234,25 @@ ph_status ph_i_store_sync(ph_i_store *s, ph_error *err)
     return st;
 }
 
-static ph_status read_line(const ph_i_store *s, const ph_i_entry *e, char *line,
-                           ph_error *err)
+/* The bytes of a line; from the window, which moves there if it has to. */
+static ph_status read_line(ph_i_store *s, const ph_i_entry *e, char *line, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_CHECK(e->length <= PH_I_LINE &&
-                 pread(s->fd, line, (size_t)e->length, e->offset) == e->length,
-             PH_EIO, "%s: cannot be read at byte %lld", s->path, (long long)e->offset);
+    if (!s->window) PH_ALLOC(s->window, WINDOW, "reading lines");
+    if (e->offset < s->window_at ||
+        e->offset + e->length > s->window_at + s->window_size) {
+        ssize_t n = pread(s->fd, s->window, WINDOW, e->offset);
+        s->window_at = e->offset;
+        s->window_size = n > 0 ? n : 0;
+    }
+    PH_CHECK(e->length <= PH_I_LINE && e->length <= s->window_size, PH_EIO,
+             "%s: cannot be read at byte %lld", s->path, (long long)e->offset);
+    memcpy(line, s->window + (e->offset - s->window_at), (size_t)e->length);
 out:
     return st;
 }
 
-ph_status ph_i_store_get(const ph_i_store *s, const ph_i_entry *e, ph_i_record *r,
+ph_status ph_i_store_get(ph_i_store *s, const ph_i_entry *e, ph_i_record *r,
                          ph_error *err)
 {
     ph_status st = PH_OK;
@@ -303,7 +314,7 @@ out:
     return st;
 }
 
-static ph_status copy_lines(const ph_i_store *s, FILE *to, ph_error *err)
+static ph_status copy_lines(ph_i_store *s, FILE *to, ph_error *err)
 {
     ph_status st = PH_OK;
     char line[PH_I_LINE];
@@ -336,6 +347,7 @@ ph_status ph_i_store_compact(ph_i_store *s, ph_error *err)
     PH_TRY(ph_i_draft_commit(&draft, err));
     close(s->fd);
     PH_TRY(open_file(s, err));
+    s->window_size = 0; /* another file now */
     s->size = (int64_t)ph_i_record_header(s->c, header);
     for (size_t k = 0; k < s->count; k++) {
         s->entry[k].offset = s->size;

@@ -126,8 +126,7 @@ out:
     return st;
 }
 
-ph_status ph_i_tally_load(ph_i_tally *t, const ph_i_store *s, bool skip_failed,
-                          ph_error *err)
+ph_status ph_i_tally_load(ph_i_tally *t, ph_i_store *s, bool skip_failed, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_i_record r;

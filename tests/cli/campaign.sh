@@ -14,7 +14,8 @@ export OMP_NUM_THREADS=1
 
 campaign() { "$perihom" campaign sweep.yaml -q "$@" >/dev/null; }
 same() { # folder of the campaign, folder of the undisturbed one
-    cmp "$1/realisations.jsonl" "$2/realisations.jsonl" && cmp "$1/campaign.json" "$2/campaign.json"
+    cmp "$1/realisations.jsonl" "$2/realisations.jsonl" && cmp "$1/campaign.json" "$2/campaign.json" &&
+        cmp "$1/campaign.h5" "$2/campaign.h5"
 }
 
 campaign -o one -j 1

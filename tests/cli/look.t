@@ -57,6 +57,7 @@ $ perihom check small.yaml --set model.kin=local
 
 $ ls
 > long.yaml
+> relaxing.yaml
 > resolved.yaml
 > small.yaml
 > stubborn.yaml

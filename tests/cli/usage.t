@@ -75,5 +75,6 @@ $ perihom list modls
 # Nothing above may leave anything behind.
 $ ls
 > long.yaml
+> relaxing.yaml
 > small.yaml
 > stubborn.yaml

@@ -3,40 +3,9 @@
 #include <perihom/material.h>
 
 #include "check.h"
-#include "tensors.h"
+#include "series.h"
 
 enum { MOST = 40 };
-
-/* a a^T with `rank` columns */
-static ph_sym4 random_semidefinite(uint64_t *seed, int n, int rank)
-{
-    ph_sym4 c = {.n = n};
-    for (int k = 0; k < rank; k++) {
-        double a[6];
-        for (int i = 0; i < n; i++)
-            a[i] = check_uniform(seed, -1, 1);
-        for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++)
-                c.m[i][j] += a[i] * a[j];
-    }
-    return c;
-}
-
-static ph_prony *random_series(uint64_t *seed, int n, int nterms, double decades,
-                               int rank, double equilibrium)
-{
-    ph_error err = PH_ERROR_INIT;
-    ph_prony_term term[MOST];
-    ph_prony *p = NULL;
-    ph_sym4 e = random_stiffness(seed, n), zero = {.n = n};
-    e = ph_sym4_combine(equilibrium, &e, 0, &zero);
-    for (int m = 0; m < nterms; m++)
-        term[m] = (ph_prony_term){
-            pow(10, decades * (m / (double)nterms - 0.5) + check_uniform(seed, 0, 0.4)),
-            random_semidefinite(seed, n, m == 0 ? n : rank)};
-    CHECK_OK(ph_prony_new(&e, nterms, term, &p, &err));
-    return p;
-}
 
 /* Largest |J(s) C(s) - 1| over the decades of the times and six beyond. */
 static double misfit(const ph_prony *p, const ph_creep *creep, double decades)
@@ -217,6 +186,71 @@ static void test_reductions(void **state)
     CHECK_END();
 }
 
+/* E(s) = 1/J_kk(s) and nu(s) = -J_lk/J_kk at every s and in frequency, through the inverse
+ * of C(s). */
+static void test_uniaxial(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    uint64_t seed = check_seed();
+    for (int trial = 0; trial < check_trials(24); trial++) {
+        int n = trial % 2 ? 3 : 6, k = trial % n, l = (k + 1) % n;
+        ph_prony *p = random_series(&seed, n, 1 + trial % 5, 10, 1 + trial % n, 1e-3);
+        ph_curve E = {0}, nu = {0};
+        CHECK_OK(ph_prony_uniaxial(p, k, -1, &E, &err));
+        CHECK_OK(ph_prony_uniaxial(p, k, l, &nu, &err));
+        for (double u = -9; u < 9; u += 0.7) {
+            double s = pow(10, u), x = E.infinity, y = nu.infinity;
+            ph_sym4 c = ph_prony_carson(p, s), j;
+            CHECK_OK(ph_sym4_inverse(&c, &j, &err));
+            for (int m = 0; m < E.nterms; m++)
+                x += E.term[m].modulus / (1 + 1 / (s * E.term[m].time));
+            for (int m = 0; m < nu.nterms; m++)
+                y += nu.term[m].modulus / (1 + 1 / (s * nu.term[m].time));
+            CHECK_REL(x, 1 / j.m[k][k], 1e-9);
+            CHECK_ABS(y, -j.m[l][k] / j.m[k][k], 1e-8);
+        }
+        for (int m = 0; m < E.nterms; m++)
+            CHECK(E.term[m].modulus >= 0);
+        ph_curve_free(&E);
+        ph_curve_free(&nu);
+        ph_prony_free(&p);
+    }
+    CHECK_END();
+}
+
+/* Standard solid of constant nu: E(t) is its series, nu(t) stays. */
+static void test_uniaxial_closed_form(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    static const ph_modulus_term two[] = {{10, 17}, {0.1, 5}};
+    const ph_modulus series = {3, 2, two};
+    ph_material m;
+    ph_curve E, nu, G;
+    double re, im;
+    CHECK_OK(ph_material_viscoelastic_young("x", &series, 0.38, &m, &err));
+    CHECK_OK(ph_prony_uniaxial(m.relaxation, 1, -1, &E, &err));
+    CHECK_OK(ph_prony_uniaxial(m.relaxation, 1, 2, &nu, &err));
+    CHECK_OK(ph_prony_uniaxial(m.relaxation, 4, -1, &G, &err));
+    CHECK(E.nterms == 2);
+    CHECK_REL(E.infinity, 3, 1e-13);
+    CHECK_REL(ph_curve_at_time(&E, 2), 3 + 17 * exp(-0.2) + 5 * exp(-20), 1e-13);
+    CHECK_REL(ph_curve_at_time(&nu, 0), 0.38, 1e-12);
+    CHECK_REL(ph_curve_at_time(&nu, 5), 0.38, 1e-12);
+    CHECK_REL(ph_curve_at_time(&G, 2) / 2, ph_curve_at_time(&E, 2) / 2.76, 1e-12);
+    ph_curve_complex(&E, 0.2, &re, &im);
+    CHECK_REL(re, 3 + 17 * 4 / 5.0 + 5 * 0.0004 / 1.0004, 1e-12);
+    CHECK_REL(im, 17 * 2 / 5.0 + 5 * 0.02 / 1.0004, 1e-12);
+    CHECK(ph_prony_uniaxial(m.relaxation, 6, -1, &E, NULL) == PH_EINVAL);
+    CHECK(ph_prony_uniaxial(m.relaxation, 1, 1, &E, NULL) == PH_EINVAL);
+    ph_curve_free(&E);
+    ph_curve_free(&nu);
+    ph_curve_free(&G);
+    ph_material_clear(&m);
+    CHECK_END();
+}
+
 static void test_no_inverse(void **state)
 {
     (void)state;
@@ -240,6 +274,8 @@ int main(void)
         cmocka_unit_test(test_partly_fluid),
         cmocka_unit_test(test_plane_stress_is_condensed),
         cmocka_unit_test(test_reductions),
+        cmocka_unit_test(test_uniaxial),
+        cmocka_unit_test(test_uniaxial_closed_form),
         cmocka_unit_test(test_no_inverse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -120,7 +120,7 @@ static void test_coverage(void **state)
         double width;
     } row[] = {{COVERAGE_NORMAL, 0.01}, {COVERAGE_LOGNORMAL, 0.005}};
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
-        coverage c = coverage_of(row[i].kind, row[i].width, 20, campaigns, 11);
+        coverage c = coverage_of(row[i].kind, row[i].width, 20, campaigns, 11, false);
         CHECK_ABS(c.covered, 0.95, 0.02);
         /* no more realisations than a tenth above the ideal number */
         CHECK(c.number > 0.95 * c.ideal && c.number < 1.1 * c.ideal + 3);

@@ -15,7 +15,7 @@ static void phases_are_their_functions(void **state)
                                     3}; /* const; E: one more; bulk and shear: two */
     for (int kind = 0; kind < 4; kind++) {
         ph_error err = PH_ERROR_INIT;
-        ph_material m[2] = {random_phase("a", &seed, kind, 2.0, 0.1, 12.0),
+        ph_material m[2] = {random_phase("a", &seed, kind, 2.0, (double)NAN, 0.1, 12.0),
                             isotropic("b", 1.0, 0.2)};
         ph_split split;
         CHECK_OK(ph_i_split_new(2, m, &split, &err));

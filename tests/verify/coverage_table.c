@@ -30,7 +30,8 @@ int main(int argc, char **argv)
         "|---|---|---|---|---|---|---|---|\n");
     for (size_t r = 0; r < sizeof row / sizeof *row; r++)
         for (size_t p = 0; p < sizeof pilots / sizeof *pilots; p++) {
-            coverage c = coverage_of(row[r].kind, row[r].width, pilots[p], campaigns, 1);
+            coverage c =
+                coverage_of(row[r].kind, row[r].width, pilots[p], campaigns, 1, true);
             printf("| %s | %.2f | %g | %d | %.0f | %.0f | %.1f | %.1f |\n", c.name,
                    c.skewness, row[r].width, pilots[p], c.ideal, c.number,
                    100 * c.covered, 100 * c.covered_greedy);

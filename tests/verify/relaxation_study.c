@@ -7,45 +7,6 @@
 #include "effective/visco.h"
 #include "relaxing.h"
 
-static ph_microstructure *cell(uint64_t *seed, ph_kinematics kin, ptrdiff_t n,
-                               int kinds[3], double contrast, double decades, int blocks)
-{
-    ph_error err = PH_ERROR_INIT;
-    ph_grid grid;
-    ph_microstructure *micro = NULL;
-    ph_material m[3];
-    ptrdiff_t size[3] = {n, n, n};
-    double length[3] = {1, 1, 1};
-    double rest = pow(10.0, check_uniform(seed, -2, -0.1));
-    m[0] = random_phase("a", seed, kinds[0], 1.0, rest, decades);
-    m[1] = random_phase("b", seed, kinds[1], contrast, rest, decades);
-    m[2] = random_phase("c", seed, kinds[2], sqrt(contrast), rest, decades);
-    CHECK_OK(ph_grid_init(&grid, kin, size, length, &err));
-    CHECK_OK(ph_microstructure_new(&grid, 3, m, &micro, &err));
-    ptrdiff_t cells = ph_grid_cells(&grid), deep = kin == PH_SPACE ? n : 1;
-    int pick[512];
-    for (int i = 0; i < 512; i++)
-        pick[i] = (int)(3 * check_random(seed));
-    for (ptrdiff_t x = 0; x < cells; x++) {
-        ptrdiff_t i = x / deep / n * blocks / n, j = x / deep % n * blocks / n,
-                  k = kin == PH_SPACE ? x % n * blocks / n : 0;
-        micro->phase[x] = (uint16_t)pick[((i * blocks + j) * blocks + k) % 512];
-    }
-    micro->cuts = calloc((size_t)(cells / 3 + 1), sizeof *micro->cuts);
-    for (ptrdiff_t x = 0; x < cells; x += 3) {
-        ph_cut *c = &micro->cuts[micro->ncuts++];
-        double phi = check_uniform(seed, 0, 6.28);
-        *c = (ph_cut){x,
-                      micro->phase[x],
-                      (int)(3 * check_random(seed)),
-                      check_uniform(seed, 0.1, 0.9),
-                      {cos(phi), sin(phi), 0}};
-    }
-    for (int p = 0; p < 3; p++)
-        ph_material_clear(&m[p]);
-    return micro;
-}
-
 int main(int argc, char **argv)
 {
     int trials = argc > 1 ? atoi(argv[1]) : 20, bad = 0, total = 0, failed = 0;
@@ -56,26 +17,31 @@ int main(int argc, char **argv)
         int kinds[3];
         for (int p = 0; p < 3; p++)
             kinds[p] = (int)(4 * check_random(&seed));
+        bool bond = check_random(&seed) < 0.15 && kin != PH_GENERALISED_STRAIN;
+        for (int p = 0; p < 3 && bond; p++)
+            kinds[p] %= 2;
         double contrast = pow(10.0, check_uniform(&seed, -2, 2)),
                decades = check_uniform(&seed, 0, 8);
         ph_microstructure *micro =
-            cell(&seed, kin, kin == PH_SPACE ? 6 : 16, kinds, contrast, decades, 4);
+            blocks_cell(&seed, kin, kin == PH_SPACE ? (bond ? 8 : 6) : 16, kinds,
+                        contrast, decades, 4, bond);
         ph_problem problem = {.micro = micro};
         static const char *model[] = {"nosb", "local"};
         problem.model.kind = model[(int)(2 * check_random(&seed))];
+        if (bond) problem.model.kind = "bond";
         if (check_random(&seed) < 0.3) problem.model.points = PH_POINTS_NODES;
-        if (strcmp(problem.model.kind, "local") == 0)
+        if (strcmp(problem.model.kind, "nosb") != 0)
             problem.model.points = PH_POINTS_AUTO;
         problem.interface =
             check_random(&seed) < 0.7 ? PH_INTERFACE_COMPOSITE : PH_INTERFACE_NODE_CENTRE;
-        problem.model.stabilisation = strcmp(problem.model.kind, "local") == 0
+        problem.model.stabilisation = strcmp(problem.model.kind, "nosb") != 0
                                           ? PH_STABILISE_AUTO
                                       : check_random(&seed) < 0.5 ? PH_STABILISE_SUBPOINT
                                                                   : PH_STABILISE_AUTO;
         static const char *constraint[] = {"periodic", "linear_displacement",
                                            "uniform_traction"};
         double dice = check_random(&seed);
-        problem.constraint.kind = constraint[dice < 0.6 ? 0 : dice < 0.8 ? 1 : 2];
+        problem.constraint.kind = constraint[dice < 0.6 ? 0 : dice < 0.8 || bond ? 1 : 2];
         problem.solver.tolerance = 1e-9;
         ph_relaxation_params params = {.tolerance =
                                            pow(10.0, check_uniform(&seed, -6, -2))};
@@ -112,7 +78,8 @@ int main(int argc, char **argv)
             double error, left, low, high;
             int added;
             ph_sym4 C;
-            if (ph_i_visco_visit(&full, s, 0.01, &error, &left, &added, &err) != PH_OK) {
+            if (ph_i_visco_visit(&full, s, 0.01, 0.0, &error, &left, &added, &err) !=
+                PH_OK) {
                 printf("visit: %s\n", err.msg);
                 break;
             }
@@ -127,7 +94,7 @@ int main(int argc, char **argv)
                     s, error, left, added, low, high);
         }
         total++;
-        bad += worst > v->error;
+        bad += worst > v->error + 1e-12; /* digits of arithmetic */
         printf("%3d kin %d %-5s %s %-19s %s kinds %d%d%d contrast %-8.2g decades %.1f "
                "tol %.1e "
                "est %.1e true %.1e %s points %d basis %d its %ld app %ld terms %d q %d\n",
@@ -136,7 +103,7 @@ int main(int argc, char **argv)
                problem.constraint.kind,
                problem.interface == PH_INTERFACE_COMPOSITE ? "comp" : "node", kinds[0],
                kinds[1], kinds[2], contrast, decades, params.tolerance, v->error, worst,
-               worst > v->error ? "BAD" : "", v->npoints, v->basis, v->iterations,
+               worst > v->error + 1e-12 ? "BAD" : "", v->npoints, v->basis, v->iterations,
                v->applications, v->series->nterms, v->functions);
         ph_viscoelastic_free(&v);
         ph_i_visco_clear(&full);

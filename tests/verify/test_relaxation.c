@@ -47,7 +47,7 @@ static void homogeneous_cells_give_their_series(void **state)
     uint64_t seed = check_seed();
     for (int k = 0; k < 4; k++)
         for (int kind = 0; kind < 4; kind++) {
-            ph_material m = random_phase("only", &seed, kind, 3.0, 0.2, 6.0);
+            ph_material m = random_phase("only", &seed, kind, 3.0, (double)NAN, 0.2, 6.0);
             ph_microstructure *micro = voxel_cell(
                 box_grid(every[k], 4, 4, every[k] == PH_SPACE ? 4 : 1, 1, 1, 1), 1, &m,
                 &seed);
@@ -84,8 +84,9 @@ static void laminates_follow_backus(void **state)
     for (int k = 0; k < 4; k++)
         for (int cut = 0; cut < 2; cut++) {
             ph_error err = PH_ERROR_INIT;
-            ph_material m[2] = {random_phase("a", &seed, 2, 1.0, 0.05, 6.0),
-                                random_phase("b", &seed, k == 3 ? 2 : 3, 5.0, 0.3, 6.0)};
+            ph_material m[2] = {
+                random_phase("a", &seed, 2, 1.0, (double)NAN, 0.05, 6.0),
+                random_phase("b", &seed, k == 3 ? 2 : 3, 5.0, (double)NAN, 0.3, 6.0)};
             ptrdiff_t deep = every[k] == PH_SPACE ? 2 : 1;
             ph_microstructure *micro =
                 voxel_cell(box_grid(every[k], 8, 2, deep, 1, 1, 1), 2, m, &seed);
