@@ -93,9 +93,10 @@ ph_status ph_i_fft_cg_init(const ph_system *system, void **state, ph_error *err)
     s->fixed = system->setting->fixed;
     PH_TRY(ph_i_space_init(&s->space, &s->op->layout, s->fixed ? NULL : s->op->fft,
                            s->op->threads, err));
-    ph_i_operator_stabilise(s->op, reference_factor(system));
+    double factor = s->op->stabilise;
+    ph_i_operator_stabilise(s->op, factor * reference_factor(system));
     st = ph_i_green_init(&s->green, s->op, &s->op->map->middle, err);
-    ph_i_operator_stabilise(s->op, 1.0);
+    ph_i_operator_stabilise(s->op, factor);
     if (st != PH_OK) goto out;
     size_t n = ph_i_space_size(&s->space);
     PH_DOUBLES(s->x, s->meter, n, "the solution");
