@@ -183,7 +183,7 @@ PH_API void ph_fit_free(ph_fit **fit);
 
 /* ---- calibrations of a case file */
 
-enum { PH_FIT_KEYS = 8, PH_FIT_KEY = 200 };
+enum { PH_FIT_KEYS = 8, PH_FIT_KEY = 200, PH_FIT_ALSO = 4 };
 
 /** A calibration file, parsed and checked (docs/case-file.md, "Calibrations"), with its case
  *  and its data. Owns its arrays. */
@@ -198,6 +198,8 @@ typedef struct ph_fit_file {
     int nunknowns;
     ph_fit_unknown unknown[PH_FIT_UNKNOWNS];
     char unknown_key[PH_FIT_UNKNOWNS][PH_FIT_KEY]; /* key of the case */
+    int nalso[PH_FIT_UNKNOWNS]; /* further keys that get the same value */
+    char also[PH_FIT_UNKNOWNS][PH_FIT_ALSO][PH_FIT_KEY];
     int nkeys; /* keys of the case that the data vary */
     char key[PH_FIT_KEYS][PH_FIT_KEY];
     int noutputs;

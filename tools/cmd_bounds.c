@@ -38,6 +38,7 @@ static const verb_spec bounds_verb = {
     .more = "Builds the microstructure for its fractions. Inclusions are seen as "
             "cylinders (disks),\n"
             "spheres, spheroids or layers; a method that does not apply says why.\n"
+            "Materials that relax: the bounds at once and at equilibrium.\n"
             "exit codes: 0 done, 2 usage, 3 case not admissible, 5 file or memory",
 };
 
@@ -172,34 +173,34 @@ static json_t *json_row(const bounds_row *r, ph_kinematics kin)
     return o;
 }
 
-static ph_status print_json(const ph_case *c, const bounds_composite *b,
-                            const bounds_row *rows, ph_error *err)
+static json_t *json_methods(const ph_case *c, const bounds_row *rows)
+{
+    json_t *methods = json_array();
+    for (size_t i = 0; i < ph_nestimate_methods; i++)
+        json_array_append_new(methods, json_row(&rows[i], c->kinematics));
+    return methods;
+}
+
+static json_t *json_document(const ph_case *c, const bounds_composite *b,
+                             const bounds_row *rows)
 {
     const char *notation = ph_strains(c->kinematics) == 3
                                ? "voigt 11 22 12, engineering shear"
                                : "voigt 11 22 33 23 13 12, engineering shear";
-    json_t *fractions = json_object(), *methods = json_array();
+    json_t *fractions = json_object();
     for (int i = 0; i < b->composite.n; i++)
         json_object_set_new(fractions, b->material[i].name, json_real(b->fraction[i]));
-    for (size_t i = 0; i < ph_nestimate_methods; i++)
-        json_array_append_new(methods, json_row(&rows[i], c->kinematics));
-    json_t *root = json_pack(
-        "{s:s,s:s,s:{s:s,s:s,s:s},s:o,s:s,s:s,s:f,s:s,s:s,s:o}", "schema",
-        "perihom.bounds/1", "title", c->title, "units", "length", c->unit_length,
-        "stress", c->unit_stress, "time", c->unit_time, "fractions", fractions, "matrix",
-        b->material[0].name, "shape", bounds_shape_name(b->composite.shape), "aspect",
-        b->composite.aspect, "note", b->note, "notation", notation, "methods", methods);
-    ph_status st = PH_OK;
-    if (!root || json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) != 0)
-        st = ph_error_set(err, PH_EIO, __FILE__, __LINE__,
-                          "could not write the JSON document");
-    else
-        printf("\n");
-    json_decref(root);
-    return st;
+    return json_pack("{s:s,s:s,s:{s:s,s:s,s:s},s:o,s:s,s:s,s:f,s:s,s:s,s:o}", "schema",
+                     "perihom.bounds/1", "title", c->title, "units", "length",
+                     c->unit_length, "stress", c->unit_stress, "time", c->unit_time,
+                     "fractions", fractions, "matrix", b->material[0].name, "shape",
+                     bounds_shape_name(b->composite.shape), "aspect", b->composite.aspect,
+                     "note", b->note, "notation", notation, "methods",
+                     json_methods(c, rows));
 }
 
-static ph_status bounds_of(const ph_case *c, bool json, ph_error *err)
+/* Printed, or put into `*root`: the document itself, or "equilibrium" of one that is there. */
+static ph_status bounds_of(const ph_case *c, json_t **root, ph_error *err)
 {
     ph_status st = PH_OK;
     bounds_composite b = {0};
@@ -209,14 +210,64 @@ static ph_status bounds_of(const ph_case *c, bool json, ph_error *err)
     PH_CHECK(rows, PH_ENOMEM, "no memory for the table");
     for (size_t i = 0; i < ph_nestimate_methods; i++)
         rows[i] = evaluate(&b, &ph_estimate_methods[i]);
-    if (b.note[0]) talk("%s", b.note);
-    if (json)
-        PH_TRY(print_json(c, &b, rows, err));
-    else
+    if (!root)
         print_table(c, &b, rows);
+    else if (*root)
+        json_object_set_new(*root, "equilibrium",
+                            json_pack("{s:o}", "methods", json_methods(c, rows)));
+    else
+        *root = json_document(c, &b, rows);
+    if (b.note[0] && !(root && json_object_get(*root, "equilibrium"))) talk("%s", b.note);
 out:
     free(rows);
     bounds_composite_free(&b);
+    return st;
+}
+
+/* The case with the elastic materials of Carson variable s. */
+static ph_status bounds_at(const ph_case *c, double s, json_t **root, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_case at = *c; /* borrows everything but the materials */
+    at.materials = calloc((size_t)c->nmaterials, sizeof *at.materials);
+    PH_CHECK(at.materials, PH_ENOMEM, "no memory for the materials");
+    for (int i = 0; i < c->nmaterials; i++)
+        PH_TRY(ph_material_at(&c->materials[i], s, &at.materials[i], err));
+    PH_TRY(bounds_of(&at, root, err));
+out:
+    free(at.materials);
+    return st;
+}
+
+/* Materials that relax: at once, and at equilibrium where that is an elastic material. */
+static ph_status bounds_that_relax(const ph_case *c, json_t **root, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_error why = PH_ERROR_INIT;
+    if (!root) printf("At once (time 0)\n");
+    PH_TRY(bounds_at(c, HUGE_VAL, root, err));
+    if (!root) printf("\nAt equilibrium (time infinity)\n");
+    if (bounds_at(c, 0, root, &why) != PH_OK)
+        talk("no bounds at equilibrium: %s", why.msg);
+out:
+    return st;
+}
+
+static ph_status run_bounds(const ph_case *c, bool json, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *root = NULL, **to = json ? &root : NULL;
+    if (ph_case_relaxes(c))
+        PH_TRY(bounds_that_relax(c, to, err));
+    else
+        PH_TRY(bounds_of(c, to, err));
+    if (!json) goto out;
+    PH_CHECK(root &&
+                 json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) == 0,
+             PH_EIO, "could not write the JSON document");
+    printf("\n");
+out:
+    json_decref(root);
     return st;
 }
 
@@ -228,7 +279,7 @@ int cmd_bounds(int argc, char **argv)
     int code = options_parse(&bounds_verb, argc, argv, &o);
     if (code < 0) {
         code = case_load(o.operands.item[0], &o.set, &c);
-        if (code == 0 && bounds_of(c, o.json, &err) != PH_OK) code = talk_error(&err);
+        if (code == 0 && run_bounds(c, o.json, &err) != PH_OK) code = talk_error(&err);
     }
     ph_case_free(&c);
     free(o.operands.item);

@@ -31,7 +31,7 @@ static const option_spec options[] = {
      "no talk on stderr but errors"},
     {0, "progress", NULL, OPTION_FLAG, offsetof(calibrate_options, progress),
      "on a terminal", "a line of progress on stderr even if it is no terminal"},
-    {0, "retry", NULL, OPTION_FLAG, offsetof(calibrate_options, retry), NULL,
+    {0, "retry-failed", NULL, OPTION_FLAG, offsetof(calibrate_options, retry), NULL,
      "solve again the realisations that failed before"},
 };
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* perihom view: pictures of the phases and fields of a result. */
+#include "relaxation.h"
 #include "tools.h"
 
 #include <dirent.h>
@@ -32,7 +33,7 @@ static const option_spec options[] = {
 
 static const verb_spec view_verb = {
     .name = "view",
-    .title = "pictures (PNG) of the phases and the fields of a result",
+    .title = "pictures (PNG) of the phases, fields and curves of a result",
     .operands = "RESULT",
     .operands_min = 1,
     .operands_max = 1,
@@ -44,10 +45,11 @@ static const verb_spec view_verb = {
                  "a slice of the phases, into another folder"}},
     .options = options,
     .noptions = sizeof options / sizeof *options,
-    .more =
-        "RESULT is a result folder or its .h5 file (output: {fields: true}). Prints the "
-        "paths.\n"
-        "exit codes: 0 done, 2 usage, 3 no such field, 5 file or memory",
+    .more = "RESULT is a result folder or its .h5 file (output: {fields: true}); of a "
+            "case that "
+            "relaxes\n"
+            "the folder's curves are drawn too. Prints the paths.\n"
+            "exit codes: 0 done, 2 usage, 3 no such field, 5 file or memory",
 };
 
 /* ---- the file of a result ---- */
@@ -240,10 +242,32 @@ static int draw_file(const view_options *o, const char *path, const char *folder
     return code;
 }
 
+static bool has_fields(const char *result)
+{
+    char path[4096];
+    struct stat about;
+    snprintf(path, sizeof path, "%s/fields.h5", result);
+    return stat(path, &about) == 0;
+}
+
+/* The curves of a folder of a case that relaxes, unless one field was asked for. */
+static int draw_curves(const view_options *o, int *drawn)
+{
+    ph_error err = PH_ERROR_INIT;
+    const char *result = o->operands.item[0];
+    struct stat about;
+    if (o->field || o->load || stat(result, &about) != 0 || !S_ISDIR(about.st_mode))
+        return 0;
+    ph_status st =
+        relaxation_view(result, o->folder ? o->folder : result, o->quiet, drawn, &err);
+    return st == PH_OK ? 0 : talk_error(&err);
+}
+
 int cmd_view(int argc, char **argv)
 {
     view_options o = {.axis = 0};
     char path[4096], folder[4096];
+    int curves = 0;
     int code = options_parse(&view_verb, argc, argv, &o);
     if (code >= 0) goto out;
     if (o.axis == 0) o.axis = 3;
@@ -251,13 +275,16 @@ int cmd_view(int argc, char **argv)
         code = options_usage_error(&view_verb, "--axis is 1, 2 or 3, got %d", o.axis);
         goto out;
     }
+    code = 5;
+    if (o.folder && mkdir(o.folder, 0777) != 0 && errno != EEXIST) {
+        talk("'%s': %s", o.folder, strerror(errno));
+        goto out;
+    }
+    if ((code = draw_curves(&o, &curves))) goto out;
+    if (curves > 0 && !has_fields(o.operands.item[0])) goto out;
     if ((code = find_file(o.operands.item[0], path, sizeof path))) goto out;
     folder_of(path, folder, sizeof folder);
-    code = 5;
-    if (o.folder && mkdir(o.folder, 0777) != 0 && errno != EEXIST)
-        talk("'%s': %s", o.folder, strerror(errno));
-    else
-        code = draw_file(&o, path, o.folder ? o.folder : folder);
+    code = draw_file(&o, path, o.folder ? o.folder : folder);
 out:
     free(o.operands.item);
     return code;

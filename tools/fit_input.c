@@ -239,25 +239,35 @@ out:
     return st;
 }
 
+/* `count` positive numbers separated by commas, and nothing else. */
+static bool read_numbers(const char *text, int count, double *const out[])
+{
+    for (int k = 0; k < count; k++) {
+        char *end = NULL;
+        *out[k] = strtod(text, &end);
+        if (end == text || !(*out[k] > 0 && isfinite(*out[k]))) return false;
+        if (*end != (k + 1 < count ? ',' : 0)) return false;
+        text = end + 1;
+    }
+    return true;
+}
+
 /* "wlf:17.44,51.6" or "arrhenius:75000" */
 static ph_status read_law(const char *text, double reference, ph_shift *law,
                           ph_error *err)
 {
     ph_status st = PH_OK;
-    int used = -1;
+    double *const wlf[] = {&law->c1, &law->c2}, *const one[] = {&law->activation_energy};
+    bool good = false;
     *law = (ph_shift){.reference = reference};
     if (strncmp(text, "wlf:", 4) == 0) {
         law->kind = PH_SHIFT_WLF;
-        sscanf(text + 4, "%lf,%lf%n", &law->c1, &law->c2, &used);
-        if (used >= 0 && text[4 + used]) used = -1;
-        if (!(law->c1 > 0 && law->c2 > 0)) used = -1;
+        good = read_numbers(text + 4, 2, wlf);
     } else if (strncmp(text, "arrhenius:", 10) == 0) {
         law->kind = PH_SHIFT_ARRHENIUS;
-        sscanf(text + 10, "%lf%n", &law->activation_energy, &used);
-        if (used >= 0 && text[10 + used]) used = -1;
-        if (!(law->activation_energy > 0)) used = -1;
+        good = read_numbers(text + 10, 1, one);
     }
-    PH_CHECK(used >= 0, PH_EUSAGE,
+    PH_CHECK(good, PH_EUSAGE,
              "--shift is overlap, wlf:C1,C2 or arrhenius:ENERGY with positive numbers, "
              "not '%s'",
              text);

@@ -89,8 +89,9 @@ static void add_curve(const fit_input *in, const ph_prony_fit *fit, picture *p)
         p->curve[2 * CURVE + k] = loss;
     }
     for (int part = 0; part < (in->loss ? 2 : 1); part++) {
-        snprintf(p->name[p->count], sizeof p->name[0], part ? "" : "fit, %d terms",
-                 fit->modulus.nterms);
+        if (part == 0)
+            snprintf(p->name[p->count], sizeof p->name[0], "fit, %d terms",
+                     fit->modulus.nterms);
         p->series[p->count] = (ph_series){.name = p->name[p->count],
                                           .n = CURVE,
                                           .x = p->curve,

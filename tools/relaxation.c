@@ -4,16 +4,43 @@
 #include "check.h"
 #include "report.h"
 
+#include <jansson.h>
+
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
+
+/* Carson variables for the route that solves each: four a decade over the relaxation times
+ * of the phases and one decade beyond, at most MOST. */
+enum { MOST_CARSON = 64 };
+static int carson_grid(const ph_case *c, double *s)
+{
+    double first = HUGE_VAL, last = 0;
+    for (int i = 0; i < c->nmaterials; i++) {
+        const ph_prony *p = c->materials[i].relaxation;
+        if (!p) continue;
+        first = fmin(first, p->term[0].time);
+        last = fmax(last, p->term[p->nterms - 1].time);
+    }
+    double lo = -1 - log10(last), hi = 1 - log10(first);
+    int n = (int)fmin(MOST_CARSON, ceil(4 * (hi - lo)) + 1);
+    for (int k = 0; k < n; k++)
+        s[k] = pow(10, lo + (hi - lo) * k / (n - 1));
+    return n;
+}
 
 ph_status relaxation_solve(const ph_case *c, const ph_problem *problem, const ph_ctx *ctx,
                            ph_viscoelastic **v, ph_relaxation_report **report,
                            ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_relaxation_params params = {.route = c->viscoelastic.route,
-                                         .tolerance = c->viscoelastic.tolerance};
+    double s[MOST_CARSON];
+    ph_relaxation_params params = {.route = c->viscoelastic.route,
+                                   .tolerance = c->viscoelastic.tolerance};
+    if (strcmp(params.route, "carson") == 0) {
+        params.carson = s;
+        params.ncarson = carson_grid(c, s);
+    }
     PH_TRY(ph_viscoelastic_solve(problem, &params, ctx, v, err));
     if ((*v)->series) PH_TRY(ph_relaxation_report_new(*v, &c->viscoelastic, report, err));
 out:
@@ -35,15 +62,24 @@ out:
     return st;
 }
 
+/* What the plots of a result need to know. */
+typedef struct frame {
+    const char *folder, *ending; /* "svg" or "png" */
+    const char *title, *time, *stress;
+    bool given_stress; /* of the history */
+    bool talk;         /* print the paths */
+} frame;
+
 /* Columns of a table against its first one; names that it lacks are left out. */
-static ph_status plot_columns(const destination *to, const char *file,
-                              const ph_plot *frame, const ph_table *t,
-                              const char *const *names, int nnames, ph_error *err)
+static ph_status plot_columns(const frame *f, const char *name, const ph_plot *what,
+                              const ph_table *t, const char *const *names, int nnames,
+                              ph_error *err)
 {
     ph_series series[16];
-    ph_plot plot = *frame;
-    char path[DESTINATION_PATH + 64];
-    destination_file(to, file, path, sizeof path);
+    ph_plot plot = *what;
+    char path[2 * DESTINATION_PATH];
+    snprintf(path, sizeof path, "%s/%s.%s", f->folder, name, f->ending);
+    plot.subtitle = f->title;
     plot.series = series;
     plot.nseries = 0;
     for (int i = 0; i < nnames && i < 16; i++) {
@@ -54,62 +90,63 @@ static ph_status plot_columns(const destination *to, const char *file,
                                              .x = t->value,
                                              .y = t->value + column * t->nrows};
     }
-    return ph_plot_write(path, &plot, err);
+    ph_status st = ph_plot_write(path, &plot, err);
+    if (st == PH_OK && f->talk) puts(path);
+    return st;
 }
 
 #define COUNT(list) ((int)(sizeof(list) / sizeof *(list)))
 
-static ph_status plot_all(const destination *to, const ph_case *c,
-                          const ph_relaxation_report *r, ph_error *err)
+static ph_status plot_curves(const frame *f, const ph_table *t, ph_error *err)
 {
     static const char *const moduli[] = {"E1",  "E2",  "E3",  "G23",
                                          "G13", "G12", "C11", "C12"};
+    char time[64], stress[64];
+    snprintf(time, sizeof time, "time [%s]", f->time);
+    snprintf(stress, sizeof stress, "modulus [%s]", f->stress);
+    const ph_plot plot = {
+        .title = "Relaxation", .xlabel = time, .ylabel = stress, .log_x = true};
+    return plot_columns(f, "relaxation", &plot, t, moduli, COUNT(moduli), err);
+}
+
+static ph_status plot_dynamic(const frame *f, const ph_table *t, ph_error *err)
+{
     static const char *const parts[] = {"E1_storage", "E2_storage", "G12_storage",
                                         "E1_loss",    "E2_loss",    "G12_loss"};
     static const char *const loss[] = {"E1_tan_delta",  "E2_tan_delta",  "E3_tan_delta",
                                        "G23_tan_delta", "G13_tan_delta", "G12_tan_delta"};
-    ph_status st = PH_OK;
-    char time[64], stress[64], omega[64];
-    snprintf(time, sizeof time, "time [%s]", c->unit_time);
-    snprintf(stress, sizeof stress, "modulus [%s]", c->unit_stress);
-    snprintf(omega, sizeof omega, "angular frequency [rad/%s]", c->unit_time);
-    ph_plot plot = {.title = "Relaxation",
-                    .subtitle = c->title,
-                    .xlabel = time,
+    char omega[64], stress[64];
+    snprintf(omega, sizeof omega, "angular frequency [rad/%s]", f->time);
+    snprintf(stress, sizeof stress, "modulus [%s]", f->stress);
+    ph_plot plot = {.title = "Storage and loss",
+                    .xlabel = omega,
                     .ylabel = stress,
-                    .log_x = true};
-    PH_TRY(
-        plot_columns(to, "relaxation.svg", &plot, r->curves, moduli, COUNT(moduli), err));
-    plot.title = "Storage and loss";
-    plot.xlabel = omega;
-    plot.log_y = true;
-    PH_TRY(plot_columns(to, "dynamic.svg", &plot, r->dynamic, parts, COUNT(parts), err));
+                    .log_x = true,
+                    .log_y = true};
+    ph_status st = plot_columns(f, "dynamic", &plot, t, parts, COUNT(parts), err);
+    if (st != PH_OK) return st;
     plot.title = "Loss tangent";
     plot.ylabel = "tan delta";
     plot.log_y = false;
-    PH_TRY(plot_columns(to, "tan-delta.svg", &plot, r->dynamic, loss, COUNT(loss), err));
-out:
-    return st;
+    return plot_columns(f, "tan-delta", &plot, t, loss, COUNT(loss), err);
 }
 
-/* The component that moves most, of what answers. */
-static ph_status plot_response(const destination *to, const ph_case *c,
-                               const ph_relaxation_report *r, ph_error *err)
+/* What answers, against time. */
+static ph_status plot_response(const frame *f, const ph_table *t, ph_error *err)
 {
     static const char *const strain[] = {"strain_11", "strain_22", "strain_33",
                                          "strain_23", "strain_13", "strain_12"};
     static const char *const stress[] = {"stress_11", "stress_22", "stress_33",
                                          "stress_23", "stress_13", "stress_12"};
-    bool given_stress = c->viscoelastic.history->stress;
     char time[64], label[64];
-    snprintf(time, sizeof time, "time [%s]", c->unit_time);
-    snprintf(label, sizeof label, "stress [%s]", c->unit_stress);
-    const ph_plot plot = {.title = given_stress ? "Strain" : "Stress",
-                          .subtitle = c->title,
+    snprintf(time, sizeof time, "time [%s]", f->time);
+    snprintf(label, sizeof label, "stress [%s]", f->stress);
+    const ph_plot plot = {.title = f->given_stress ? "Strain" : "Stress",
                           .xlabel = time,
-                          .ylabel = given_stress ? "strain (engineering shear)" : label};
-    return plot_columns(to, "response.svg", &plot, r->response,
-                        given_stress ? strain : stress, 6, err);
+                          .ylabel =
+                              f->given_stress ? "strain (engineering shear)" : label};
+    return plot_columns(f, "response", &plot, t, f->given_stress ? strain : stress, 6,
+                        err);
 }
 
 ph_status relaxation_write(const destination *to, const ph_case *c,
@@ -117,13 +154,21 @@ ph_status relaxation_write(const destination *to, const ph_case *c,
 {
     ph_status st = PH_OK;
     char path[DESTINATION_PATH + 64], *text = NULL;
+    const frame f = {.folder = to->stage,
+                     .ending = "svg",
+                     .title = c->title,
+                     .time = c->unit_time,
+                     .stress = c->unit_stress,
+                     .given_stress =
+                         c->viscoelastic.history && c->viscoelastic.history->stress};
     PH_TRY(write_table(to, "prony.csv", r->terms, err));
     PH_TRY(write_table(to, "relaxation.csv", r->curves, err));
     PH_TRY(write_table(to, "dynamic.csv", r->dynamic, err));
-    PH_TRY(plot_all(to, c, r, err));
+    PH_TRY(plot_curves(&f, r->curves, err));
+    PH_TRY(plot_dynamic(&f, r->dynamic, err));
     if (r->response) {
         PH_TRY(write_table(to, "response.csv", r->response, err));
-        PH_TRY(plot_response(to, c, r, err));
+        PH_TRY(plot_response(&f, r->response, err));
     }
     if (r->series->equilibrium.n == 6) {
         destination_file(to, "prony.yaml", path, sizeof path);
@@ -132,6 +177,60 @@ ph_status relaxation_write(const destination *to, const ph_case *c,
     }
 out:
     free(text);
+    return st;
+}
+
+/* ---- pictures of a result that is there ---- */
+
+static const char *text_of(const json_t *map, const char *section, const char *key)
+{
+    const char *text =
+        json_string_value(json_object_get(json_object_get(map, section), key));
+    return text ? text : "-";
+}
+
+/* The table of a result, NULL where the result has none. */
+static ph_status read_table(const char *result, const char *name, ph_table **out,
+                            ph_error *err)
+{
+    char path[2 * DESTINATION_PATH];
+    struct stat about;
+    *out = NULL;
+    snprintf(path, sizeof path, "%s/%s", result, name);
+    return stat(path, &about) == 0 ? ph_table_read(path, out, err) : PH_OK;
+}
+
+ph_status relaxation_view(const char *result, const char *folder, bool quiet, int *drawn,
+                          ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_table *curves = NULL, *dynamic = NULL, *response = NULL;
+    char path[2 * DESTINATION_PATH];
+    snprintf(path, sizeof path, "%s/result.json", result);
+    json_t *document = json_load_file(path, 0, NULL);
+    const json_t *wanted =
+        json_object_get(json_object_get(document, "case"), "viscoelastic");
+    const char *title = json_string_value(json_object_get(document, "title"));
+    const frame f = {.folder = folder,
+                     .ending = "png",
+                     .title = title ? title : "",
+                     .time = text_of(document, "units", "time"),
+                     .stress = text_of(document, "units", "stress"),
+                     .given_stress =
+                         strcmp(text_of(wanted, "history", "control"), "stress") == 0,
+                     .talk = !quiet};
+    PH_TRY(read_table(result, "relaxation.csv", &curves, err));
+    PH_TRY(read_table(result, "dynamic.csv", &dynamic, err));
+    PH_TRY(read_table(result, "response.csv", &response, err));
+    if (curves) PH_TRY(plot_curves(&f, curves, err));
+    if (dynamic) PH_TRY(plot_dynamic(&f, dynamic, err));
+    if (response) PH_TRY(plot_response(&f, response, err));
+    *drawn = (curves != NULL) + 2 * (dynamic != NULL) + (response != NULL);
+out:
+    json_decref(document);
+    ph_table_free(&curves);
+    ph_table_free(&dynamic);
+    ph_table_free(&response);
     return st;
 }
 
@@ -193,6 +292,16 @@ static void put_terms(FILE *to, const ph_case *c, const ph_viscoelastic *v,
     if (p->nterms > MOST) fprintf(to, "%12s (all in prony.csv)\n", "...");
 }
 
+/* Of a route without series: first row of the tensor at every Carson variable. */
+static void put_values(FILE *to, const ph_case *c, const ph_viscoelastic *v)
+{
+    if (v->nvalues == 0) return;
+    fprintf(to, "\n%12s %12s %12s   [%s]\n", "s", "C11", "C12", c->unit_stress);
+    for (int k = 0; k < v->nvalues; k++)
+        fprintf(to, "%12.5g %12.6g %12.6g\n", v->values[k].s,
+                v->values[k].stiffness.m[0][0], v->values[k].stiffness.m[0][1]);
+}
+
 static void put_cost(FILE *to, const ph_viscoelastic *v)
 {
     char bytes[32], seconds[32];
@@ -219,6 +328,8 @@ void relaxation_print(FILE *to, const ph_case *c, const ph_viscoelastic *v,
     if (r) {
         put_constants(to, c, r);
         put_terms(to, c, v, r);
+    } else {
+        put_values(to, c, v);
     }
     put_cost(to, v);
 }

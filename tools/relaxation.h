@@ -17,6 +17,9 @@ ph_status relaxation_solve(const ph_case *c, const ph_problem *problem, const ph
 /** Tables (CSV), plots (SVG) and the series (YAML) into the folder of the result. */
 ph_status relaxation_write(const destination *to, const ph_case *c,
                            const ph_relaxation_report *report, ph_error *err);
+/** PNG plots of the tables of a result folder that has any. @param[out] drawn how many */
+ph_status relaxation_view(const char *result, const char *folder, bool quiet, int *drawn,
+                          ph_error *err);
 /** For people: the elastic part, both limits, terms, cost. */
 void relaxation_print(FILE *to, const ph_case *c, const ph_viscoelastic *v,
                       const ph_relaxation_report *report);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <perihom/version.h>
 
+#include "revision.h" /* made by meson in the build folder */
+
 #include <fftw3.h>
 #include <gsl/gsl_version.h>
 #include <hdf5.h>
@@ -11,10 +13,6 @@
 
 #define STRING(x)         #x
 #define VERSION3(a, b, c) STRING(a) "." STRING(b) "." STRING(c)
-
-#ifndef PH_GIT_REVISION
-#define PH_GIT_REVISION "unknown"
-#endif
 
 const char *ph_version(void)
 {

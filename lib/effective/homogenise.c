@@ -103,6 +103,7 @@ void ph_result_free(ph_result **result)
         free(res->fields[i].stress);
     }
     free(res->fields);
+    ph_prony_free(&res->relaxation);
     ph_damage_free(&res->damage);
     free(res->names);
     free(res->fractions);

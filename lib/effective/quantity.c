@@ -3,6 +3,7 @@
 #include <perihom/quantity.h>
 
 #include "core/check.h"
+#include "effective/quantity_relaxation.h"
 
 #include <math.h>
 #include <string.h>
@@ -372,6 +373,14 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      never_refuses,
      no_load,
      fraction_value},
+    {{"NAME(t=1) NAME_storage(omega=1) ...",
+      "a constant that relaxes at a time; its storage, loss, tan delta at a frequency",
+      "", "a material must relax; C, E, nu, G, isotropic.*"},
+     ph_i_relaxing_parse,
+     ph_i_relaxing_word,
+     ph_i_relaxing_refuses,
+     ph_i_relaxing_loads,
+     ph_i_relaxing_value},
 };
 const size_t ph_nquantity_kinds = sizeof ph_quantity_kinds / sizeof *ph_quantity_kinds;
 

@@ -72,7 +72,7 @@ static void set_label(ph_i_tick *t, double step, double greatest)
         int digits = first > last ? first - last : 0;
         ph_i_number_text(text, sizeof text, true, digits > 16 ? 16 : digits, t->value);
         char *e = strchr(text, 'e');
-        int exponent = atoi(e + 1);
+        int exponent = (int)strtol(e + 1, NULL, 10);
         bool bare = strncmp(text, "1e", 2) == 0;
         if (bare) e = text;
         strcpy(e, bare ? "10"
@@ -98,9 +98,11 @@ static void linear_ticks(ph_i_axis *a, int most)
                         : raw <= 5 * ten ? 5 * ten
                                          : 10 * ten;
     const double greatest = fmax(fabs(a->lo), fabs(a->hi));
-    for (double k = ceil(a->lo / step - 1e-9); k <= floor(a->hi / step + 1e-9); k++) {
-        ph_i_tick *t = add_tick(a, k * step);
-        if (t) set_label(t, step, greatest);
+    const double first = ceil(a->lo / step - 1e-9), last = floor(a->hi / step + 1e-9);
+    for (int k = 0; k <= last - first; k++) {
+        ph_i_tick *t = add_tick(a, (first + k) * step);
+        if (!t) break;
+        set_label(t, step, greatest);
     }
 }
 

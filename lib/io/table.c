@@ -154,7 +154,7 @@ static char separator_of(text_line header)
     }
     for (int k = 1; k < 3; k++)
         if (count[k] > count[best]) best = k;
-    return count[best] > 0 ? candidate[best] : ' ';
+    return (char)(count[best] > 0 ? candidate[best] : ' ');
 }
 
 /* A name that can stand in messages and other files. */

@@ -5,6 +5,7 @@
 #include <perihom/bond.h>
 #include <perihom/damage.h>
 #include <perihom/family.h>
+#include <perihom/prony.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -143,6 +144,9 @@ typedef struct ph_result {
 
     int nnotes;
     char notes[PH_MAX_NOTES][256]; /* choices of `auto`, warnings */
+
+    /* effective series, where somebody who solved the relaxation put it; owned, or NULL */
+    ph_prony *relaxation;
 
     int nfields;
     ph_fields *fields; /* [nfields], where keep_fields */

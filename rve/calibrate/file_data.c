@@ -141,8 +141,12 @@ static double cell(const columns *c, const source *s, ptrdiff_t row)
 /* Index of the point at `place`: rows that agree in every key are one point. */
 static int point_at(ph_fit_file *f, const double *place, int line)
 {
-    for (int p = 0; p < f->npoints; p++)
-        if (memcmp(f->place[p], place, sizeof f->place[p]) == 0) return p;
+    for (int p = 0; p < f->npoints; p++) {
+        bool same = true;
+        for (int k = 0; k < f->nkeys; k++)
+            same = same && f->place[p][k] == place[k];
+        if (same) return p;
+    }
     memcpy(f->place[f->npoints], place, sizeof f->place[0]);
     f->line[f->npoints] = line;
     return f->npoints++;

@@ -8,7 +8,8 @@
 
 static const char *const root_keys[] = {"calibration", "title",  "case",      "unknowns",
                                         "data",        "budget", "posterior", "starts"};
-static const char *const unknown_keys[] = {"from", "to", "scale", "start", "name"};
+static const char *const unknown_keys[] = {"from",  "to",   "scale",
+                                           "start", "name", "also"};
 static const char *const scale_names[] = {"linear", "log"};
 static const char *const budget_keys[] = {"relative_error", "at_least", "realisations",
                                           "seconds"};
@@ -81,6 +82,27 @@ static bool read_limits(ph_i_reader *r, const ph_i_node *map, ph_fit_unknown *x)
     return true;
 }
 
+/* Further keys of the case that get the same value. */
+static bool read_also(ph_i_reader *r, const ph_i_node *list, ph_fit_file *f, size_t j)
+{
+    static const char rule[] = "must be a list of 1 to 4 keys of the case";
+    if (!list) return true;
+    if (!ph_i_read_list(r, list, 0, rule)) return false;
+    if (list->count < 1 || list->count > PH_FIT_ALSO) {
+        ph_i_reject(r, list, PH_EINVAL, "%s", rule);
+        return false;
+    }
+    for (size_t i = 0; i < list->count; i++) {
+        if (!ph_i_read_text(r, list->child[i], PH_FIT_KEY, f->also[j][i])) return false;
+        if (strchr(f->also[j][i], '=') || !f->also[j][i][0]) {
+            ph_i_reject(r, list->child[i], PH_EINVAL, "must be a key path of the case");
+            return false;
+        }
+    }
+    f->nalso[j] = (int)list->count;
+    return true;
+}
+
 static bool read_unknowns(ph_i_reader *r, const ph_i_node *map, ph_fit_file *f)
 {
     bool good = true;
@@ -109,6 +131,7 @@ static bool read_unknowns(ph_i_reader *r, const ph_i_node *map, ph_fit_file *f)
         }
         ph_i_check_keys(r, node, (ph_i_names)PH_I_NAMES(unknown_keys), "an unknown");
         good &= read_limits(r, node, x);
+        good &= read_also(r, ph_i_get(node, "also"), f, j);
         name = ph_i_get(node, "name");
         if (name) good &= ph_i_read_text(r, name, sizeof x->name, x->name);
     }

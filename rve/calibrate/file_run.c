@@ -14,20 +14,31 @@ typedef struct solver {
     long solved;
 } solver;
 
+static void put(ph_i_growing *to, const char *key, double value)
+{
+    ph_i_appendf(to, "%s=", key);
+    ph_i_append_exact(to, value);
+}
+
 ph_status ph_i_fit_case(const ph_fit_file *f, int point, const double *unknown,
                         ph_case **out, ph_case_issues *issues, ph_error *err)
 {
     ph_status st = PH_OK;
-    ph_i_growing own[PH_FIT_KEYS + PH_FIT_UNKNOWNS] = {{0}};
+    enum { MOST = PH_FIT_KEYS + PH_FIT_UNKNOWNS * (1 + PH_FIT_ALSO) };
+    ph_i_growing own[MOST] = {{0}};
     const char **sets = NULL;
-    int n = f->nkeys + f->nunknowns;
-    PH_ALLOC(sets, f->nsets + n, "overrides");
+    int n = 0;
+    PH_ALLOC(sets, f->nsets + MOST, "overrides");
     for (size_t i = 0; i < f->nsets; i++)
         sets[i] = f->sets[i];
+    for (int k = 0; k < f->nkeys; k++)
+        put(&own[n++], f->key[k], f->place[point][k]);
+    for (int j = 0; j < f->nunknowns; j++) {
+        put(&own[n++], f->unknown_key[j], unknown[j]);
+        for (int a = 0; a < f->nalso[j]; a++)
+            put(&own[n++], f->also[j][a], unknown[j]);
+    }
     for (int i = 0; i < n; i++) {
-        bool key = i < f->nkeys;
-        ph_i_appendf(&own[i], "%s=", key ? f->key[i] : f->unknown_key[i - f->nkeys]);
-        ph_i_append_exact(&own[i], key ? f->place[point][i] : unknown[i - f->nkeys]);
         PH_CHECK(!own[i].failed, PH_ENOMEM, "no memory for overrides");
         sets[f->nsets + i] = own[i].text;
     }

@@ -47,6 +47,9 @@ static ph_status header(const ph_fit_file *f, json_t **out, ph_error *err)
     PH_CHECK(names, PH_ENOMEM, "no memory for a journal");
     for (int i = 0; i < width(f); i++)
         PH_TRY(ph_i_json_add(names, json_string(key_of(f, i)), err));
+    for (int j = 0; j < f->nunknowns; j++)
+        for (int a = 0; a < f->nalso[j]; a++)
+            PH_TRY(ph_i_json_add(names, json_string(f->also[j][a]), err));
     st = ph_i_json_put(h, "keys", names, err);
     names = NULL;
     PH_TRY(st);

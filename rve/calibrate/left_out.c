@@ -80,17 +80,20 @@ ph_status ph_i_left_out(ph_i_fit *c, ph_error *err)
         /* Linear where there is no surrogate; exact for a linear model. */
         if (n > c->spread.known && p->leverage < 1 - 1e-9)
             residual = c->f[i] / (1 - p->leverage);
+        double linear = residual;
         if (!isnan(residual) && c->surrogate)
             PH_TRY(predict(c, &w, &residual, &at_edge, err));
+        if (at_edge) residual = linear;
         edges += at_edge;
-        p->left_out = p->measured + residual * p->sigma;
-        sum += residual * residual;
+        p->left_out = p->measured + residual * c->sigma[i];
+        double in_sigma = residual * c->sigma[i] / p->sigma;
+        sum += in_sigma * in_sigma;
     }
     c->out->left_out_rms = sqrt(sum / n);
     if (edges)
         ph_i_fit_note(c->out,
                       "leave-one-out: %d of %d fits leave the box of the surrogate; "
-                      "their predictions are too good",
+                      "their predictions are linear",
                       edges, n);
 out:
     free(w.all);

@@ -126,19 +126,33 @@ static double curvature(const quadratic *q, const double d[K])
     return sum;
 }
 
-/* A step inside the box from u. @return the fall of chi2 that the model predicts */
+/* A step inside the box from u: what would leave it goes to the bound and no further, and
+ * the others follow. @return the fall of chi2 that the model predicts */
 static double boxed_step(const quadratic *q, const ph_i_search *how, const double u[K],
                          double lambda, double next[K], double d[K])
 {
     bool may[K];
-    double slope = 0;
+    double fixed[K] = {0}, slope = 0;
     for (int a = 0; a < q->k; a++)
         may[a] = !(u[a] <= how->lo[a] && q->g[a] >= 0) &&
                  !(u[a] >= how->hi[a] && q->g[a] <= 0);
-    damped_step(q, may, lambda, d);
+    for (bool inside = false; !inside;) {
+        quadratic rest = *q;
+        for (int a = 0; a < q->k; a++)
+            for (int b = 0; b < q->k; b++)
+                rest.g[a] += q->A[a][b] * fixed[b];
+        damped_step(&rest, may, lambda, d);
+        inside = true;
+        for (int a = 0; a < q->k; a++) {
+            double to = fmin(fmax(u[a] + d[a], how->lo[a]), how->hi[a]);
+            if (!may[a] || to == u[a] + d[a]) continue;
+            fixed[a] = to - u[a];
+            may[a] = inside = false;
+        }
+    }
     memcpy(next, u, K * sizeof *next);
     for (int a = 0; a < q->k; a++) {
-        next[a] = fmin(fmax(u[a] + d[a], how->lo[a]), how->hi[a]);
+        next[a] = fmin(fmax(u[a] + d[a] + fixed[a], how->lo[a]), how->hi[a]);
         d[a] = next[a] - u[a];
         slope += d[a] * q->g[a];
     }
@@ -183,8 +197,11 @@ ph_status ph_i_minimise(const ph_i_residuals *r, const ph_i_search *how, double 
             /* A step that is short because it is damped says nothing. */
             bool last =
                 short_enough(&q, how, n, *chi2, d) && (lambda <= 1e-2 || lambda > 1e8);
-            done = fall <= 0;
-            if (done) break;
+            if (!(fall > 0)) { /* nowhere to go, or a step to be shorter */
+                lambda *= 10;
+                done = last || lambda > 1e12;
+                continue;
+            }
             PH_TRY(r->eval(r->user, 1, next, trial, err));
             double now = square(n, trial);
             better = now < *chi2;

@@ -324,6 +324,11 @@ static void residuals_of(const ph_i_samples *s, const ph_i_set *set, double *f)
     }
 }
 
+static int threads(const ph_i_samples *s)
+{
+    return s->ctx && s->ctx->threads > 0 ? s->ctx->threads : omp_get_max_threads();
+}
+
 ph_status ph_i_samples_residuals(void *user, int m, const double *u, double *f,
                                  ph_error *err)
 {
@@ -335,8 +340,7 @@ ph_status ph_i_samples_residuals(void *user, int m, const double *u, double *f,
     for (int i = 0; i < m; i++)
         PH_TRY(need(s, u + (size_t)i * K, &set[i], err));
     PH_TRY(collect(&b, m, set, err));
-    int threads = s->ctx && s->ctx->threads > 0 ? s->ctx->threads : omp_get_max_threads();
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (b.ntasks > 1)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads(s)) if (b.ntasks > 1)
     for (long i = 0; i < b.ntasks; i++)
         run_task(&b, i);
     if (b.stop != PH_OK) {

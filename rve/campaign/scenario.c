@@ -66,6 +66,31 @@ static void account(const ph_result *r, ph_evaluation *e)
     e->nodes = ph_grid_cells(&r->grid);
 }
 
+/* Outputs at a time or a frequency need the series, the others the elastic tensor. */
+static ph_status solve(const ph_scenario *s, const ph_problem *problem, const ph_ctx *ctx,
+                       ph_result **out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    bool relaxes = false;
+    ph_viscoelastic *v = NULL;
+    for (int i = 0; i < s->noutputs; i++)
+        relaxes |= isfinite(s->output[i].at);
+    if (!relaxes || !ph_case_relaxes(s->c)) return ph_homogenise(problem, ctx, out, err);
+    const ph_relaxation_params params = {.route = s->c->viscoelastic.route,
+                                         .tolerance = s->c->viscoelastic.tolerance};
+    PH_TRY(ph_viscoelastic_solve(problem, &params, ctx, &v, err));
+    PH_CHECK(v->series, PH_EINVAL,
+             "viscoelastic.route: %s gives no series, which an output at a time needs",
+             v->route);
+    *out = v->elastic;
+    (*out)->relaxation = v->series;
+    v->elastic = NULL;
+    v->series = NULL;
+out:
+    ph_viscoelastic_free(&v);
+    return st;
+}
+
 ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
                                ph_evaluation *out, ph_error *err)
 {
@@ -91,7 +116,7 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
                           .loads = ph_scenario_loads(s)};
     /* No load: the bounds need none, and the result has the fractions. */
     if (problem.loads == 0) problem.constraint = (ph_constraint_params){.kind = "voigt"};
-    PH_TRY(ph_homogenise(&problem, ctx, &result, err));
+    PH_TRY(solve(s, &problem, ctx, &result, err));
     e.n = s->noutputs;
     for (int i = 0; i < e.n; i++)
         PH_TRY(ph_quantity_value(&s->output[i], result, &e.value[i], err));

@@ -89,7 +89,7 @@ env --default-signal=INT "$perihom" campaign long.yaml -o both -j 1 -q >/dev/nul
 pid=$!
 tries=0
 until [ -s both/realisations.jsonl ] || [ $tries -ge 200 ]; do sleep 0.05; tries=$((tries + 1)); done
-"$perihom" campaign long.yaml -o both -q >/dev/null 2>err
+timeout 20 "$perihom" campaign long.yaml -o both -q >/dev/null 2>err
 check "a second campaign in a folder: exit code 5" test $? -eq 5
 check "... and it says so" grep -q 'another perihom is working in this folder' err
 

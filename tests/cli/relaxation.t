@@ -49,3 +49,28 @@ $ perihom check relaxing.yaml | grep '^# relax'
 $ perihom run relaxing.yaml --set viscoelastic.route=rduced -o c
 ! *--set viscoelastic.route: 'rduced' is not admissible: must be reduced, carson, stepping or frequency; did you mean 'reduced'?
 ? 3
+
+# Bounds at once and at equilibrium; a melt has none at equilibrium.
+$ perihom bounds relaxing.yaml | grep -c '^hashin_shtrikman_lower'; perihom bounds relaxing.yaml | grep '^At'
+> 2
+> At once (time 0)
+> At equilibrium (time infinity)
+
+$ perihom bounds relaxing.yaml --json > b; json_get equilibrium.methods.0.name < b
+> "voigt"
+
+$ perihom bounds relaxing.yaml --set 'materials.matrix={bulk: 4, shear: {infinity: 0, terms: [{modulus: 1, time: 1}]}}' | grep -c '^voigt'
+> 1
+! *no bounds at equilibrium: material 'matrix': its stiffness at s = 0 is singular
+
+$ perihom view relaxing-results
+> relaxing-results/relaxation.png
+> relaxing-results/dynamic.png
+> relaxing-results/tan-delta.png
+> relaxing-results/response.png
+
+$ perihom run relaxing.yaml --set viscoelastic.route=carson --json -q -o carson > out; json_get effective.viscoelastic.terms < out; json_get effective.viscoelastic.carson.0.s < out; ls carson
+> null
+> 0.1
+> phases.png
+> result.json

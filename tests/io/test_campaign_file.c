@@ -213,6 +213,29 @@ static void test_complaints(void **state)
     CHECK_END();
 }
 
+/* The campaigns that come with the program, and what they vary. */
+static void test_shipped(void **state)
+{
+    (void)state;
+    const struct {
+        const char *name;
+        int points;
+    } row[] = {{"ongaro-figure-3-14", 1},
+               {"rve-size", 4},
+               {"epoxy-clay-exfoliated", 5},
+               {"epoxy-clay-agglomerated", 4}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        ph_error err = PH_ERROR_INIT;
+        ph_campaign *c = NULL;
+        char path[512];
+        snprintf(path, sizeof path, "%s/campaigns/%s.yaml", PH_DATA_DIR, row[i].name);
+        CHECK_OK(ph_campaign_read(path, NULL, 0, &c, NULL, &err));
+        CHECK(c && c->npoints == row[i].points && c->judged == 0);
+        ph_campaign_free(&c);
+    }
+    CHECK_END();
+}
+
 /* A file of the wrong kind, a folder, a file that is not there. */
 static void test_no_file(void **state)
 {
@@ -234,6 +257,7 @@ int main(void)
         cmocka_unit_test(test_independent_points),
         cmocka_unit_test(test_complaints),
         cmocka_unit_test(test_no_file),
+        cmocka_unit_test(test_shipped),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

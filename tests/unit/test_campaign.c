@@ -219,6 +219,42 @@ static void test_stop_and_go_on(void **state)
     CHECK_END();
 }
 
+static bool watch(void *user, const ph_campaign_progress *now)
+{
+    *(ph_campaign_progress *)user = *now;
+    return true;
+}
+
+/* Where memory allows fewer workers than processors, they get the rest as threads. */
+static void test_crew(void **state)
+{
+    (void)state;
+    ph_campaign *c = campaign("3");
+    const struct {
+        ph_campaign_params p;
+        int workers, threads;
+    } row[] = {{{.jobs = 4, .memory = 1}, 1, 4},
+               {{.jobs = 4}, 4, 1},
+               {{.jobs = 4, .threads = 2}, 2, 2},
+               {{.jobs = 2, .threads = 8}, 1, 8},
+               /* 150 x 150 nodes, below the number that is asked about: 1 kB each */
+               {{.jobs = 4, .memory = 2 * 22500 * 1000}, 2, 2}};
+    for (int i = 0; i < 5; i++) {
+        ph_campaign_progress last = {0};
+        ph_campaign_params p = row[i].p;
+        char name[8];
+        snprintf(name, sizeof name, "crew%d", i);
+        p.progress = watch;
+        p.user = &last;
+        ph_campaign_result *r = run(c, name, p, PH_OK);
+        CHECK(last.workers == row[i].workers && last.threads == row[i].threads);
+        CHECK(last.realisations == 6 && last.points_done == 2);
+        ph_campaign_result_free(&r);
+    }
+    ph_campaign_free(&c);
+    CHECK_END();
+}
+
 static void test_shards(void **state)
 {
     (void)state;
@@ -288,6 +324,7 @@ int main(void)
         cmocka_unit_test(test_stops_where_the_rule_says),
         cmocka_unit_test(test_failures),
         cmocka_unit_test(test_stop_and_go_on),
+        cmocka_unit_test(test_crew),
         cmocka_unit_test(test_shards),
         cmocka_unit_test(test_refusals),
     };
