@@ -114,7 +114,7 @@ static ph_status sample(fit *f, const ph_prony *p, ph_error *err)
     for (int k = 0; k < SAMPLES; k++) {
         double u = f->lo - log(100) + (f->hi - f->lo + log(3000)) * k / (SAMPLES - 1.0);
         f->t[k] = k ? exp(u) : 0;
-        ph_sym4 c = ph_prony_at_time(p, f->t[k]), y = {.n = n};
+        ph_sym4 c = ph_prony_at_time(p, f->t[k]), y;
         double scaled[6][6];
         ph_sym4 whole = ph_sym4_combine(1, &c, 1e-3, &now);
         congruence(f->r, n, f->inverse, whole.m, scaled);

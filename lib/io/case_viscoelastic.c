@@ -165,8 +165,9 @@ static ph_status read_cycle(ph_i_reader *r, const ph_i_node *map, int component,
                                   "must be an integer from 4 to 1000: points a cycle",
                                   &points);
     if (good)
-        PH_TRY(ph_history_cycle(ph_strains(r->c->kinematics), component, stress, mean,
-                                amplitude, omega, (int)cycles, (int)points, out, err));
+        PH_TRY(ph_history_cycle(
+            ph_strains(r->c->kinematics), component, stress,
+            &(ph_cycle){mean, amplitude, omega, (int)cycles, (int)points}, out, err));
 out:
     return st;
 }

@@ -40,7 +40,7 @@ static ph_status response_table(int n, int rows, ph_table **out, ph_error *err)
 static ph_status response_times(const ph_history *h, int *count, double **times,
                                 ph_error *err)
 {
-    enum { PIECES = 20 };
+    enum { PIECES = 60 };
     ph_status st = PH_OK;
     int each = h->npoints > 200 ? 1 : PIECES, n = 0;
     double *t = NULL;

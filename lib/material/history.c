@@ -89,26 +89,26 @@ out:
     return st;
 }
 
-ph_status ph_history_cycle(int n, int component, bool stress, double mean,
-                           double amplitude, double omega, int cycles, int points,
+ph_status ph_history_cycle(int n, int component, bool stress, const ph_cycle *cycle,
                            ph_history **out, ph_error *err)
 {
     ph_status st = PH_OK;
+    const int cycles = cycle->cycles, points = cycle->points;
     const double two_pi = 2 * acos(-1.0);
     enum { MOST = 10000000 };
     *out = NULL;
     PH_TRY(check_component(n, component, err));
-    PH_CHECK(omega > 0 && isfinite(omega), PH_EINVAL,
-             "the angular frequency of a cycle must be > 0, got %g", omega);
+    PH_CHECK(cycle->omega > 0 && isfinite(cycle->omega), PH_EINVAL,
+             "the angular frequency of a cycle must be > 0, got %g", cycle->omega);
     PH_CHECK(cycles >= 1 && points >= 4 && cycles <= MOST / points, PH_EINVAL,
              "a history of %d cycles of %d points: at least 1 of 4, at most 1e7 points",
              cycles, points);
     PH_TRY(ph_history_new(n, cycles * points + 1, stress, out, err));
     for (int p = 0; p < (*out)->npoints; p++) {
         double turn = (double)p / points;
-        (*out)->time[p] = turn * two_pi / omega;
+        (*out)->time[p] = turn * two_pi / cycle->omega;
         (*out)->value[p][component] =
-            mean + amplitude * sin(two_pi * (p % points) / points);
+            cycle->mean + cycle->amplitude * sin(two_pi * (p % points) / points);
     }
     PH_TRY(ph_history_validate(*out, err));
 out:

@@ -34,12 +34,16 @@ PH_API ph_status ph_history_validate(const ph_history *history, ph_error *err);
 PH_API ph_status ph_history_ramp(int n, int component, bool stress, double value,
                                  double rise, double hold, double rest, ph_history **out,
                                  ph_error *err);
-/** mean + amplitude sin(omega t) from t = 0 over `cycles` periods, by straight lines between
- *  `points` points a period (relative error of a line: (2 pi / points)^2 / 8).
- *  @param omega angular frequency [rad/time, > 0]; cycles [1 ..]; points [4 ..] */
-PH_API ph_status ph_history_cycle(int n, int component, bool stress, double mean,
-                                  double amplitude, double omega, int cycles, int points,
-                                  ph_history **out, ph_error *err);
+/** mean + amplitude sin(omega t) from t = 0, by straight lines between `points` points a
+ *  period (relative error of a line: (2 pi / points)^2 / 8). */
+typedef struct ph_cycle {
+    double mean, amplitude;
+    double omega; /* angular frequency [rad/time, > 0] */
+    int cycles;   /* periods, >= 1 */
+    int points;   /* >= 4 */
+} ph_cycle;
+PH_API ph_status ph_history_cycle(int n, int component, bool stress,
+                                  const ph_cycle *cycle, ph_history **out, ph_error *err);
 /** The value at a time; at a jump, after it. */
 PH_API void ph_history_at(const ph_history *history, double time, double value[6]);
 

@@ -64,7 +64,8 @@ static void test_there_and_back(void **state)
         int points = fine ? 1600 : 800;
         ph_history *strain = NULL, *stress = NULL;
         double(*answer)[6] = calloc((size_t)points + 1, sizeof *answer);
-        CHECK_OK(ph_history_cycle(3, 0, false, 0, 0.01, 1, 1, points, &strain, &err));
+        CHECK_OK(ph_history_cycle(3, 0, false, &(ph_cycle){0, 0.01, 1, 1, points},
+                                  &strain, &err));
         CHECK_OK(ph_history_new(3, strain->npoints, true, &stress, &err));
         memcpy(stress->time, strain->time,
                (size_t)strain->npoints * sizeof *strain->time);
@@ -168,10 +169,17 @@ static void test_histories(void **state)
     CHECK(ph_history_ramp(3, 0, false, 1, 0, 0, 0, &h, NULL) == PH_EINVAL && !h);
     CHECK(ph_history_ramp(3, 0, false, 1, 0, INFINITY, 0, &h, NULL) == PH_EINVAL && !h);
     CHECK(ph_history_ramp(3, 0, false, NAN, 0, 1, 0, &h, NULL) == PH_EINVAL && !h);
-    CHECK(ph_history_cycle(3, 0, false, 0, 1, 0, 1, 8, &h, NULL) == PH_EINVAL && !h);
-    CHECK(ph_history_cycle(3, 0, false, 0, 1, 1, 0, 8, &h, NULL) == PH_EINVAL && !h);
-    CHECK(ph_history_cycle(3, 0, false, 0, 1, 1, 1, 3, &h, NULL) == PH_EINVAL && !h);
-    CHECK(ph_history_cycle(3, 0, false, 0, 1, 1, 1 << 30, 8, &h, NULL) == PH_EINVAL);
+    CHECK(ph_history_cycle(3, 0, false, &(ph_cycle){0, 1, 0, 1, 8}, &h, NULL) ==
+              PH_EINVAL &&
+          !h);
+    CHECK(ph_history_cycle(3, 0, false, &(ph_cycle){0, 1, 1, 0, 8}, &h, NULL) ==
+              PH_EINVAL &&
+          !h);
+    CHECK(ph_history_cycle(3, 0, false, &(ph_cycle){0, 1, 1, 1, 3}, &h, NULL) ==
+              PH_EINVAL &&
+          !h);
+    CHECK(ph_history_cycle(3, 0, false, &(ph_cycle){0, 1, 1, 1 << 30, 8}, &h, NULL) ==
+          PH_EINVAL);
     CHECK_END();
 }
 
