@@ -214,6 +214,10 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
         op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
         PH_TRY(ph_i_bondlist_new(box, map, p, meter, &op->bonds, err));
+        ph_operator_params whole = *p;
+        whole.broken = NULL;
+        if (p->broken)
+            PH_TRY(ph_i_bondlist_new(box, map, &whole, meter, &op->whole, err));
         op->hourglass = op->bonds->s;
         *out = op;
         return st;
@@ -249,6 +253,7 @@ void ph_i_operator_free(ph_operator **out)
     if (op->has_convolution) ph_i_convolution_clear(&op->convolution, op->meter);
     ph_i_stencil_free(&op->stencil);
     ph_i_bondlist_free(&op->bonds);
+    ph_i_bondlist_free(&op->whole);
     ph_i_springs_free(&op->springs);
     ph_i_damaged_free(&op->damaged);
     for (int i = 0; i < op->nsub; i++)
@@ -473,7 +478,7 @@ void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *reg
                         double *f)
 {
     if (op->bonds)
-        ph_i_bondlist_pull(op->bonds, sigma, region, f);
+        ph_i_bondlist_pull(op->whole ? op->whole : op->bonds, sigma, region, f);
     else
         ph_i_cells_pull(&op->cells, sigma, region, f);
 }
