@@ -76,6 +76,7 @@ static void put_head(FILE *to, const ph_campaign *c)
 static void put_estimation(FILE *to, const ph_campaign *c, const ph_estimation *e)
 {
     const ph_mean_estimate *m = &e->estimate;
+    if (!e->reason[0]) return; /* still at the pilots */
     fprintf(to, "  %s\n", e->reason);
     for (int l = 0; l < m->nlevels; l++)
         fprintf(to, "  %7td x %s\n", m->level[l].n,
