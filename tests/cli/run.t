@@ -127,3 +127,33 @@ $ perihom run small.yaml -q -o both --set microstructure.nodes=[192,192] >/dev/n
 > 1
 > phases.png
 > result.json
+
+# Cracks: a row a step, here and in the folder; cut through is no failure.
+$ perihom run cracked.yaml -q
+> Cracked
+>*
+>
+> no engineering constants: the stiffness has no inverse
+>*
+> damage
+>   crack length \[m]   density   E1/E1(0)   E2/E2(0) anisotropy mean phi broken bonds
+>                  0         0    1.00000    1.00000 * 0.00000            0
+>                0.5    0.0625    0.99* 0.6*
+>                  1      0.25    1.00000    0.00000        inf *
+>*
+
+$ ls -A cracked-results
+> damage.csv
+> damage.png
+> phases.png
+> result.json
+
+$ json_get effective.damage.steps.1.broken_bonds < cracked-results/result.json
+> 88
+
+$ json_get effective.damage.steps.2.anisotropy_index < cracked-results/result.json
+> null
+
+$ perihom view cracked-results
+> cracked-results/damage-moduli.png
+> cracked-results/damage-anisotropy.png
