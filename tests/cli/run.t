@@ -129,18 +129,13 @@ $ perihom run small.yaml -q -o both --set microstructure.nodes=[192,192] >/dev/n
 > result.json
 
 # Cracks: a row a step, here and in the folder; cut through is no failure.
-$ perihom run cracked.yaml -q
-> Cracked
->*
->
-> no engineering constants: the stiffness has no inverse
->*
+$ perihom run cracked.yaml -q > cracked; grep -c 'the stiffness has no inverse' cracked; sed -n '/^damage/,/^ *1 /p' cracked | cut -c 1-38,50-61
+> 1
 > damage
->   crack length \[m]   density   E1/E1(0)   E2/E2(0) anisotropy mean phi broken bonds
->                  0         0    1.00000    1.00000 * 0.00000            0
->                0.5    0.0625    0.99* 0.6*
->                  1      0.25    1.00000    0.00000        inf *
->*
+>   crack length \[m]   density   E1/E1(0) anisotropy
+>                  0         0    1.00000 *
+>                0.5    0.0625    0.99*
+>                  1      0.25    1.00000        inf
 
 $ ls -A cracked-results
 > damage.csv
