@@ -92,7 +92,7 @@ typedef struct ph_crack_plan {
 PH_API void ph_crack_plan_free(ph_crack_plan **plan);
 /** Cracks that a case names and draws: a pure function of the case, its seed and its
  *  realisation. Centres of random cracks are uniform in the box; they may cross.
- *  @return PH_OK; PH_EUNPHYSICAL (a density that takes more than 1e7 cracks); PH_ENOMEM.
+ *  @return PH_OK; PH_EUNPHYSICAL (a density that takes more than 1e6 cracks); PH_ENOMEM.
  *  Tested: tests/unit/test_cracks.c */
 PH_API ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err);
 
