@@ -223,9 +223,6 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
     r->map->least_contrast = fmax(r->map->least_contrast, r->contrast);
     PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
                              res, err));
-    PH_CHECK(!(ph_i_has_cracks(p) && r->constraint->by_stress), PH_EINVAL,
-             "cracks do not go with %s: take periodic or linear_displacement",
-             r->constraint->info.name);
     PH_CHECK(!(res->bond.present && r->constraint->by_stress), PH_EINVAL,
              "model bond does not take %s: bonds that are missing at the faces make the "
              "material soft there. Take periodic or linear_displacement, or model nosb",
@@ -296,8 +293,10 @@ ph_status ph_i_run_rebuild(ph_run *r, ph_error *err)
     if (!r->solver->keeps_matrix && !r->op->bonds) return PH_OK;
     r->solver->free(&r->state);
     if (!r->op->bonds) return r->solver->init(&r->system, &r->state, err);
+    int notes = r->result->nnotes; /* they are there already */
     ph_i_operator_free(&r->op);
     PH_TRY(ph_i_run_build(r, err));
+    r->result->nnotes = notes;
 out:
     return st;
 }

@@ -9,12 +9,13 @@
 enum { MAX_POINTS = 40, MORE = 4 };
 /* Of the tolerance: energy that the first values (both ends) and the others may leave. */
 static const double end_share = 1e-3, inner_share = 0.25;
-/* A gap is seen if a visit was where its product is this share of its most. One that was not
- * is believed to hold so many times the error that the others suggest. */
-static const double seen = 0.5, doubt = 5.0;
+/* A gap is seen if a visit was where its product is this share of its most. One of less than
+ * the second share of the largest need not be: it is believed to hold so many times the
+ * error that the others suggest. */
+static const double seen = 0.5, small = 0.1, doubt = 8.0;
 /* An error of less than this share of the tolerance asks for no more fields; the values of s
  * around it may hold so many times as much. */
-static const double enough = 0.25, around = 3.0;
+static const double enough = 0.25, around = 4.0;
 /* Contrast that does not move: one elastic solution is all there is. */
 static const double still = 1e-12;
 
@@ -55,17 +56,19 @@ static bool was_seen(const walk *w, double t, double most)
     return false;
 }
 
-/* The value of largest product in the gaps that were not seen, and that product. */
-static int next_value(const walk *w, double *largest)
+/* The value of largest product in the gaps that were not seen, that product, and the largest
+ * of all gaps. */
+static int next_value(const walk *w, double *largest, double *of_all)
 {
     int at = -1;
-    *largest = 0.0;
+    *largest = *of_all = 0.0;
     for (int g = 0; g <= w->zeros; g++) {
         double most = 0.0;
         int i_most = -1;
         for (int i = 0; i < w->path.n; i++)
             if (gap_of(w, w->path.t[i]) == g && product(w, w->path.t[i]) > most)
                 most = product(w, w->path.t[i]), i_most = i;
+        *of_all = fmax(*of_all, most);
         if (i_most >= 0 && most > *largest && !was_seen(w, w->path.t[i_most], most))
             *largest = most, at = i_most;
     }
@@ -103,7 +106,7 @@ static ph_status go(ph_visco *v, walk *w, int i, bool end, double share, ph_erro
         error = left;
     } else
         w->visit[w->visits++] = w->path.t[i];
-    if (added == 0 && !end) error *= around;
+    if (added == 0 && !end) error = fmax(error, fmin(around * error, v->tolerance));
     if (error >= v->out->error) v->out->error = error, v->out->error_at = s;
 out:
     return st;
@@ -117,13 +120,14 @@ static ph_status walk_on(ph_visco *v, int most, ph_error *err)
     PH_ALLOC(w.zero, most + MORE, "values of s");
     PH_ALLOC(w.visit, most + MORE, "values of s");
     int ns = v->run.map->ns, last = w.path.n - 1;
-    double largest;
+    double largest, of_all;
     PH_TRY(go(v, &w, 0, true, end_share, err));
     if (w.path.t[last] > still) PH_TRY(go(v, &w, last, true, end_share, err));
     while (w.path.t[last] > still) {
-        int next = next_value(&w, &largest);
+        int next = next_value(&w, &largest, &of_all);
         if (next < 0) break;
-        if (w.settled && doubt * w.kappa * largest <= v->tolerance) {
+        if (w.settled && largest < small * of_all &&
+            doubt * w.kappa * largest <= v->tolerance) {
             v->out->error = fmax(v->out->error, doubt * w.kappa * largest);
             break;
         }

@@ -53,7 +53,7 @@ static const double default_alpha = 1e-5, default_theta = 0.01, default_spacings
 static const double void_theta = 0.05, bounded_alpha = 1e-4;
 /* Families that a crack cuts on one side see the modes that whole families do not, and the
  * preconditioner must not lie far below them: docs/theory/cracks.md has what was measured. */
-static const double crack_alpha = 0.1, crack_spacings = 3.0;
+static const double crack_alpha = 0.1;
 /* Fewer nodes than this along an axis, and a family of two spacings meets its images. */
 enum { FEW_NODES = 5 };
 
@@ -131,14 +131,14 @@ static void choose_stabilisation(const ph_problem *p, const ph_stiffness_map *ma
 
 static double choose_horizon(const ph_problem *p, ph_points points)
 {
-    double spacings = ph_i_has_cracks(p) ? crack_spacings : default_spacings;
     const ph_grid *g = &p->micro->grid;
     if (p->model.horizon > 0.0)
         return p->model.horizon_is_length ? p->model.horizon
                                           : p->model.horizon * widest(g);
     double least =
         half_diagonal(g); /* zero: a single cell has no family, any length will do */
-    return points == PH_POINTS_STRESS && least > 0.0 ? least : spacings * widest(g);
+    return points == PH_POINTS_STRESS && least > 0.0 ? least
+                                                     : default_spacings * widest(g);
 }
 
 static const void *by_name(const ph_entry *first, size_t stride, size_t count,

@@ -173,7 +173,7 @@ static ptrdiff_t pad_size(const ph_operator *op)
 /* Does a field have to pass through Fourier space to meet this operator? */
 static bool by_spectrum(const ph_operator *op)
 {
-    return op->has_convolution || op->spectral;
+    return op->has_convolution || (op->spectral && op->stabilise != 0.0);
 }
 
 ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
@@ -214,6 +214,10 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
         op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
         PH_TRY(ph_i_bondlist_new(box, map, p, meter, &op->bonds, err));
+        ph_operator_params whole = *p;
+        whole.broken = NULL;
+        if (p->broken)
+            PH_TRY(ph_i_bondlist_new(box, map, &whole, meter, &op->whole, err));
         op->hourglass = op->bonds->s;
         *out = op;
         return st;
@@ -225,7 +229,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
         !(op->has_cells && p->hourglass_in_space))
         PH_TRY(new_spectral(op, p->value, err));
-    if (by_spectrum(op))
+    if (op->has_convolution || op->spectral)
         PH_DOUBLES(op->hat, meter, 2 * nd * (size_t)op->modes, "a transformed field");
     if (p->broken)
         PH_TRY(ph_i_damaged_new(&op->layout, p->broken, op->s, op->threads, meter,
@@ -249,6 +253,7 @@ void ph_i_operator_free(ph_operator **out)
     if (op->has_convolution) ph_i_convolution_clear(&op->convolution, op->meter);
     ph_i_stencil_free(&op->stencil);
     ph_i_bondlist_free(&op->bonds);
+    ph_i_bondlist_free(&op->whole);
     ph_i_springs_free(&op->springs);
     ph_i_damaged_free(&op->damaged);
     for (int i = 0; i < op->nsub; i++)
@@ -315,10 +320,11 @@ static void add_subpoints(ph_operator *op, const double *u, const double *macro,
 
 static void add_diagonal(const ph_operator *op, const double *uhat, double *fhat)
 {
-    if (!op->spectral) return;
+    const double factor = op->stabilise;
+    if (!op->spectral || factor == 0.0) return;
     for (int a = 0; a < op->layout.nd; a++) {
         const double *u = uhat + 2 * a * op->modes, *s = op->spectral;
-        double *f = fhat + 2 * a * op->modes, factor = op->stabilise;
+        double *f = fhat + 2 * a * op->modes;
 #pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
         for (ptrdiff_t k = 0; k < op->modes; k++) {
             f[2 * k] += factor * s[k] * u[2 * k];
@@ -472,7 +478,7 @@ void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *reg
                         double *f)
 {
     if (op->bonds)
-        ph_i_bondlist_pull(op->bonds, sigma, region, f);
+        ph_i_bondlist_pull(op->whole ? op->whole : op->bonds, sigma, region, f);
     else
         ph_i_cells_pull(&op->cells, sigma, region, f);
 }

@@ -28,6 +28,7 @@ typedef struct ph_operator {
     ph_cells cells; /* the cells route, or nothing */
     ph_stencil *stencil;
     ph_bondlist *bonds;  /* the bonds route, or NULL */
+    ph_bondlist *whole;  /* the same with no bond broken, where some are; else NULL */
     ph_springs *springs; /* model bond, whatever the route, or NULL */
     bool has_convolution;
     ph_convolution convolution;
@@ -89,14 +90,17 @@ ph_status ph_i_assembly_matrix(const ph_assembly *assembly, const int *unknown, 
 ph_status ph_i_assembly_row_sums(const ph_assembly *assembly, double *sum, ph_error *err);
 
 /** f = B^T sigma of a uniform stress [ns] Mandel in the cells with region[x] != 0: the load
- *  of a macro stress. Routes cells and bonds. */
+ *  of a macro stress. Routes cells and bonds. Broken bonds are left out of account: the
+ *  faces of cracks are free, those of the body are pulled. */
 void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *region,
                         double *f);
 /** Transforms of all displacement components. */
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat);
 void ph_i_operator_backward(ph_operator *op, const double *uhat, double *work, double *u);
 
-/** Sums over a region (NULL: all cells) of stress, strain [ns] Mandel, and energies. */
+/** Sums over a region (NULL: all cells) of stress, strain [ns] Mandel, and energies. Of a
+ *  body with broken bonds (route bonds) the strain is that of whole families: what the gaps
+ *  take is in it. */
 ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *macro,
                              const uint8_t *region, double *stress, double *strain,
                              ph_cell_energy *energy, ph_error *err);

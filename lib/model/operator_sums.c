@@ -101,7 +101,11 @@ ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *mac
     if (op->has_cells) {
         ph_i_cells_sums(&op->cells, u, macro, region, stress, strain, energy);
     } else if (op->bonds) {
+        double other[6];
+        ph_cell_energy not_wanted;
         ph_i_bondlist_sums(op->bonds, u, macro, region, stress, strain, energy);
+        if (op->whole)
+            ph_i_bondlist_sums(op->whole, u, macro, region, other, strain, &not_wanted);
     } else {
         memset(energy, 0, sizeof *energy);
         for (int i = 0; i < l->ns; i++)
@@ -114,7 +118,7 @@ ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *mac
                       &energy->modes);
         }
     }
-    if (!op->spectral) return PH_OK;
+    if (!op->spectral || op->stabilise == 0.0) return PH_OK;
     if (op->damaged) energy->stabilisation += ph_i_damaged_energy(op->damaged, u);
     ph_i_operator_forward(op, u, op->hat);
     ptrdiff_t row = ph_i_fft_row(op->fft);

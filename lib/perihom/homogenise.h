@@ -29,7 +29,7 @@ typedef struct ph_model_params {
     const char *kind; /* in ph_models[]: "nosb" (NULL), "local", "bond" */
     ph_points points; /* of nosb */
     double horizon;   /* 0: default (2 spacings for nodes, smallest for stress points;
-                       * bond and nodes with cracks: 3 spacings) */
+                       * bond: 3 spacings) */
     bool horizon_is_length; /* else in spacings, the widest one */
     const char *influence;  /* in ph_influences[]; NULL: "constant" */
     const char *weights;    /* in ph_volume_weights[]; NULL: "linear", bond: "exact" */

@@ -9,6 +9,7 @@
  *   horizon:64x64x64               an iteration at horizon 12 over one at horizon 2
  *   clay:150                       one clay/epoxy realisation, beside the direct solver
  *   clay_batch:200                 as many realisations on two threads
+ *   relax:V29:100                  the whole relaxation over one elastic solution, all loads
  *
  * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
  * runs, unless called wall. Ratios are of two runs in the same minute. */
@@ -60,6 +61,23 @@ static const char *const problem_yaml[] = {
     "       curvature: {arc_angle: {uniform: {min: 0, max: 90}}}, orientation: uniform,\n"
     "       placement: {overlap: true}, counting: nodes, interphase: {kappa: 0.1}}\n"
     "model: {kind: bond, horizon: 8, calibration: gamma}\n",
+    "V29", /* [Galadima2023] 8.6.1 */
+    "perihom: 1\ntitle: V29\nunits: {length: mm, stress: GPa, time: s}\n"
+    "materials:\n  m: {E: {infinity: 3, terms: [{modulus: 17, time: 1}]}, nu: 0.38}\n"
+    "  f: {E: 20, nu: 0.21}\n"
+    "microstructure: {dimension: 2, plane: stress, size: [1, 1], nodes: [%d, %d], "
+    "matrix: m,\n"
+    "  inclusions: [{shape: disk, centre: [0.5, 0.5], fraction: 0.5, material: f}]}\n",
+    "R3", /* P3 with a matrix of four times over ten decades */
+    "perihom: 1\ntitle: R3\nunits: {length: mm, stress: GPa, time: s}\n"
+    "materials:\n  m: {E: {infinity: 0.5, terms: [{modulus: 1, time: 1e-5},\n"
+    "    {modulus: 1, time: 1e-2}, {modulus: 0.5, time: 1e1}, {modulus: 0.5, time: "
+    "1e5}]},\n"
+    "    nu: 0.35}\n"
+    "  f: {E: 70, nu: 0.2}\n"
+    "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
+    "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.25, material: "
+    "f}]}\n",
     "SC", /* simple-cubic spheres with exact constants */
     "perihom: 1\ntitle: spheres\nunits: {length: mm, stress: GPa, time: s}\n"
     "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.3}}\n"
@@ -144,6 +162,38 @@ static void bench_solve(const char *name, int n, const char *model)
            name, n, model, res->route, cpu, wall, iterations, res->nloads,
            1e9 * res->seconds_solve / iterations / (double)cells,
            (double)res->peak_bytes / (double)cells, v[0], v[1], v[ns * ns - 1]);
+    ph_result_free(&res);
+    scene_free(&s);
+}
+
+/* The relaxation by the reduced route, and the instantaneous problem to 1e-6. */
+static void bench_relax(const char *name, int n)
+{
+    ph_error err = PH_ERROR_INIT;
+    const ph_ctx ctx = {.threads = 1};
+    scene s = scene_new(name, n, "nosb", false);
+    ph_result *res = NULL;
+    ph_viscoelastic *v = NULL;
+    double wall, elastic = solve(&s, 1, 3, &wall, &res), cpu = INFINITY;
+    int iterations = 0;
+    for (int i = 0; i < res->nloads; i++)
+        iterations += res->iterations[i];
+    for (int i = 0; i < 3; i++) {
+        ph_viscoelastic_free(&v);
+        double c = clock_of(CLOCK_PROCESS_CPUTIME_ID);
+        if (ph_viscoelastic_solve(&s.problem, NULL, &ctx, &v, &err)) die("relax", &err);
+        cpu = fmin(cpu, clock_of(CLOCK_PROCESS_CPUTIME_ID) - c);
+    }
+    double cells = (double)ph_grid_cells(&res->grid);
+    printf("{\"bench\": \"relax\", \"problem\": \"%s\", \"n\": %d, \"cpu\": %.4g, "
+           "\"cpu_elastic\": %.4g, \"iterations\": %ld, \"iterations_elastic\": %d, "
+           "\"applications\": %ld, \"applications_elastic\": %ld, \"points\": %d, "
+           "\"basis\": %d, \"basis_bytes_per_node\": %.4g, \"bytes_per_node\": %.4g, "
+           "\"terms\": %d, \"error\": %.2g}\n",
+           name, n, cpu, elastic, v->iterations, iterations, v->applications,
+           res->applications, v->npoints, v->basis, (double)v->basis_bytes / cells,
+           (double)v->elastic->peak_bytes / cells, v->series->nterms, v->error);
+    ph_viscoelastic_free(&v);
     ph_result_free(&res);
     scene_free(&s);
 }
@@ -418,6 +468,8 @@ static int run(const char *word)
         bench_threads(name, size);
     else if (sscanf(word, "clay:%d", &size) == 1)
         bench_clay(size);
+    else if (sscanf(word, "relax:%31[^:]:%d", name, &size) == 2)
+        bench_relax(name, size);
     else if (sscanf(word, "clay_batch:%d", &size) == 1)
         bench_clay_batch(size);
     else if (sscanf(word, "horizon:%tdx%tdx%td", &n[0], &n[1], &n[2]) == 3)
