@@ -141,7 +141,8 @@ typedef struct ph_result {
     ph_bond_report bond;
     ph_damage *damage; /* with cracks; the stiffness above is that of the last step */
 
-    ph_failure_path *failure; /* with a loading; damage and stiffness are those of its steps */
+    ph_failure_path
+        *failure; /* with a loading; damage and stiffness are those of its steps */
 
     double seconds, seconds_solve;
     size_t peak_bytes; /* of the solver's own arrays */

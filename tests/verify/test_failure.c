@@ -241,7 +241,7 @@ static void steps_and_threads(void **state)
         ph_result *res[2] = {NULL};
         for (int k = 0; k < 2; k++) {
             trial t;
-            notched(&t, i ? 96 : 24, i ? 0.0155 : 0.016, k ? 7 : 1);
+            notched(&t, i ? 96 : 24, i ? 0.02 : 0.016, k ? 7 : 1);
             t.loading.window = i ? 1.0 : 0.02;
             res[k] = run(&t, k ? 2 : 1);
             CHECK(res[k] && res[k]->failure->nevents >= 3);
@@ -269,7 +269,7 @@ static void together(void **state)
     t.loading.together = true;
     ph_result *res = run(&t, 1);
     const ph_failure_path *p = res ? res->failure : NULL;
-    CHECK(p && p->nevents >= 1 && p->nevents < 40);
+    CHECK(p && p->nevents > 1 && p->nevents < 100);
     for (ptrdiff_t i = 0; p && i < p->nevents; i++) {
         double step = p->event[i].load / 0.004;
         CHECK_ABS(step, round(step), 1e-12);
@@ -291,8 +291,6 @@ static void unload(void **state)
     t.loading.window = 0.02;
     ph_result *res = run(&t, 1);
     const ph_failure_path *p = res ? res->failure : NULL;
-    for (int i = 0; p && i < p->nevents; i += 20)
-        print_message("%g ", p->event[i].load);
     CHECK(p && p->step[4].broken > p->step[0].broken);
     CHECK(p && p->step[16].broken > p->step[12].broken);
     for (int i = 5; p && i <= 12; i++) {
