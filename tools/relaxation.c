@@ -10,8 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Carson variables for the route that solves each: four a decade over the relaxation times
- * of the phases and one decade beyond, at most MOST. */
+/* Carson variables or frequencies for routes that solve each: four a decade over the
+ * inverse relaxation times of the phases and one decade beyond, at most MOST. */
 enum { MOST_CARSON = 64 };
 static int carson_grid(const ph_case *c, double *s)
 {
@@ -29,6 +29,16 @@ static int carson_grid(const ph_case *c, double *s)
     return n;
 }
 
+/* Times of rising frequencies: 1/s, in rising order. */
+static void invert(int n, double *s)
+{
+    for (int k = 0; k < (n + 1) / 2; k++) {
+        double first = 1.0 / s[n - 1 - k], last = 1.0 / s[k];
+        s[k] = first;
+        s[n - 1 - k] = last;
+    }
+}
+
 ph_status relaxation_solve(const ph_case *c, const ph_problem *problem, const ph_ctx *ctx,
                            ph_viscoelastic **v, ph_relaxation_report **report,
                            ph_error *err)
@@ -37,9 +47,20 @@ ph_status relaxation_solve(const ph_case *c, const ph_problem *problem, const ph
     double s[MOST_CARSON];
     ph_relaxation_params params = {.route = c->viscoelastic.route,
                                    .tolerance = c->viscoelastic.tolerance};
+    int n = carson_grid(c, s);
+    params.history = c->viscoelastic.history;
     if (strcmp(params.route, "carson") == 0) {
         params.carson = s;
-        params.ncarson = carson_grid(c, s);
+        params.ncarson = n;
+    } else if (strcmp(params.route, "stepping") == 0) {
+        params.times = c->viscoelastic.times ? c->viscoelastic.times : s;
+        params.ntimes = c->viscoelastic.times ? c->viscoelastic.ntimes : n;
+        if (!c->viscoelastic.times) invert(n, s);
+    } else if (strcmp(params.route, "frequency") == 0) {
+        params.omega = c->viscoelastic.frequencies ? c->viscoelastic.frequencies : s;
+        params.nomega = c->viscoelastic.frequencies ? c->viscoelastic.nfrequencies : n;
+    } else {
+        params.history = NULL; /* the report evaluates the series */
     }
     PH_TRY(ph_viscoelastic_solve(problem, &params, ctx, v, err));
     if ((*v)->series) PH_TRY(ph_relaxation_report_new(*v, &c->viscoelastic, report, err));
@@ -292,9 +313,21 @@ static void put_terms(FILE *to, const ph_case *c, const ph_viscoelastic *v,
     if (p->nterms > MOST) fprintf(to, "%12s (all in prony.csv)\n", "...");
 }
 
-/* Of a route without series: first row of the tensor at every Carson variable. */
+/* Of a route without series: first row of the tensors that it has. */
 static void put_values(FILE *to, const ph_case *c, const ph_viscoelastic *v)
 {
+    if (v->ncurve > 0)
+        fprintf(to, "\n%12s %12s %12s   [%s]\n", c->unit_time, "C11", "C12",
+                c->unit_stress);
+    for (int k = 0; k < v->ncurve; k++)
+        fprintf(to, "%12.5g %12.6g %12.6g\n", v->curve[k].time,
+                v->curve[k].stiffness.m[0][0], v->curve[k].stiffness.m[0][1]);
+    if (v->ndynamic > 0)
+        fprintf(to, "\n%12s %12s %12s   [%s]\n", "omega", "C11 storage", "C11 loss",
+                c->unit_stress);
+    for (int k = 0; k < v->ndynamic; k++)
+        fprintf(to, "%12.5g %12.6g %12.6g\n", v->dynamic[k].omega,
+                v->dynamic[k].storage.m[0][0], v->dynamic[k].loss.m[0][0]);
     if (v->nvalues == 0) return;
     fprintf(to, "\n%12s %12s %12s   [%s]\n", "s", "C11", "C12", c->unit_stress);
     for (int k = 0; k < v->nvalues; k++)
@@ -305,8 +338,14 @@ static void put_values(FILE *to, const ph_case *c, const ph_viscoelastic *v)
 static void put_cost(FILE *to, const ph_viscoelastic *v)
 {
     char bytes[32], seconds[32];
-    fprintf(to, "\nroute       %s, %d values of s, %ld iterations, %ld applications",
-            v->route, v->npoints, v->iterations, v->applications);
+    fprintf(to, "\nroute       %s, ", v->route);
+    if (v->steps)
+        fprintf(to, "%ld steps", v->steps);
+    else
+        fprintf(to, "%d values of %s",
+                v->ndynamic && !v->series ? v->ndynamic : v->npoints,
+                v->ndynamic && !v->series ? "omega" : "s");
+    fprintf(to, ", %ld iterations, %ld applications", v->iterations, v->applications);
     if (v->basis)
         fprintf(to, ", basis of %d fields (%s)", v->basis,
                 report_bytes(v->basis_bytes, bytes));

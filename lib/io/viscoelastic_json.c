@@ -17,6 +17,7 @@ static ph_status tensor(const ph_sym4 *c, bool stiffness, json_t **out, ph_error
 static ph_status put_tensor(json_t *map, const char *key, const ph_sym4 *c, ph_error *err)
 {
     json_t *rows = NULL;
+    if (c->n == 0) return ph_i_json_put(map, key, json_null(), err);
     ph_status st = tensor(c, true, &rows, err);
     return st == PH_OK ? ph_i_json_put(map, key, rows, err) : st;
 }
@@ -83,6 +84,52 @@ out:
     return st;
 }
 
+static ph_status put_row(json_t *item, const char *key, int n, const double *row,
+                         ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *list = json_array();
+    PH_CHECK(list, PH_ENOMEM, "no memory for a row");
+    for (int i = 0; i < n; i++)
+        PH_TRY(ph_i_json_add(list, ph_i_json_number(row[i]), err));
+    PH_TRY(ph_i_json_put(item, key, json_incref(list), err));
+out:
+    json_decref(list);
+    return st;
+}
+
+/* What a route without series has computed, tensor by tensor. */
+static ph_status put_values(json_t *map, const ph_viscoelastic *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *curve = json_array(), *dynamic = json_array();
+    PH_CHECK(curve && dynamic, PH_ENOMEM, "no memory for the values");
+    for (int k = 0; k < v->ncurve; k++) {
+        json_t *item = json_object();
+        PH_TRY(ph_i_json_add(curve, item, err));
+        PH_TRY(ph_i_json_put(item, "time", ph_i_json_number(v->curve[k].time), err));
+        PH_TRY(put_tensor(item, "stiffness", &v->curve[k].stiffness, err));
+        if (v->response)
+            PH_TRY(
+                put_row(item, "response", v->curve[k].stiffness.n, v->response[k], err));
+    }
+    for (int k = 0; k < v->ndynamic; k++) {
+        json_t *item = json_object();
+        PH_TRY(ph_i_json_add(dynamic, item, err));
+        PH_TRY(ph_i_json_put(item, "omega", ph_i_json_number(v->dynamic[k].omega), err));
+        PH_TRY(put_tensor(item, "storage", &v->dynamic[k].storage, err));
+        PH_TRY(put_tensor(item, "loss", &v->dynamic[k].loss, err));
+    }
+    if (v->ncurve > 0) PH_TRY(ph_i_json_put(map, "relaxation", json_incref(curve), err));
+    if (v->ndynamic > 0) {
+        PH_TRY(ph_i_json_put(map, "complex", json_incref(dynamic), err));
+    }
+out:
+    json_decref(curve);
+    json_decref(dynamic);
+    return st;
+}
+
 /* How it was computed. */
 static ph_status put_route(json_t *map, const ph_viscoelastic *v, ph_error *err)
 {
@@ -93,7 +140,8 @@ static ph_status put_route(json_t *map, const ph_viscoelastic *v, ph_error *err)
     } count[] = {{"basis", v->basis},
                  {"basis_bytes", (json_int_t)v->basis_bytes},
                  {"iterations", v->iterations},
-                 {"applications", v->applications}};
+                 {"applications", v->applications},
+                 {"steps", v->steps}};
     PH_TRY(ph_i_json_put(map, "route", ph_i_json_text(v->route), err));
     PH_TRY(ph_i_json_put(map, "error", ph_i_json_number(v->error), err));
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)
@@ -103,6 +151,15 @@ static ph_status put_route(json_t *map, const ph_viscoelastic *v, ph_error *err)
     PH_TRY(put_points(map, v, err));
 out:
     return st;
+}
+
+/* Ends of C(t) that the route has not computed. */
+static ph_status put_missing(json_t *reasons, const char *key, const ph_sym4 *c,
+                             ph_error *err)
+{
+    return c->n ? PH_OK
+                : ph_i_json_put(reasons, key,
+                                ph_i_json_text("this route does not compute it"), err);
 }
 
 static ph_status put_block(json_t *map, const ph_viscoelastic *v,
@@ -126,6 +183,11 @@ static ph_status put_block(json_t *map, const ph_viscoelastic *v,
         PH_TRY(ph_i_json_put(map, "terms", json_null(), err));
         PH_TRY(ph_i_json_put(reasons, "effective.viscoelastic.terms",
                              ph_i_json_text("this route gives no series"), err));
+        PH_TRY(put_values(map, v, err));
+        PH_TRY(put_missing(reasons, "effective.viscoelastic.instantaneous",
+                           &v->instantaneous, err));
+        PH_TRY(put_missing(reasons, "effective.viscoelastic.stiffness_infinity",
+                           &v->equilibrium, err));
     }
     PH_TRY(put_route(map, v, err));
 out:

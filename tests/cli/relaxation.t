@@ -74,3 +74,20 @@ $ perihom run relaxing.yaml --set viscoelastic.route=carson --json -q -o carson 
 > 0.1
 > phases.png
 > result.json
+
+$ perihom run relaxing.yaml --set viscoelastic.route=stepping --set viscoelastic.times=[0.5,2] --json -q -o stepping > out; json_get effective.viscoelastic.relaxation.1.time < out; json_get effective.viscoelastic.stiffness_infinity < out
+> 2
+> null
+
+$ perihom run relaxing.yaml --set viscoelastic.route=frequency --set viscoelastic.frequencies=[0.5,2] --set model.kind=local -o frequency
+> Relaxing
+>
+> RVE         16 x 16 nodes, plane stress, periodic
+> model *
+> solver *
+>
+>        omega  C11 storage     C11 loss   \[GPa]
+>          0.5 *
+>            2 *
+> route       frequency, 2 values of omega, * iterations, * applications
+! *perihom: result in frequency/
