@@ -273,7 +273,6 @@ out:
 static ph_status begin(march *m, const ph_stepping_params *p, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_relaxing_map *relax = m->s->relax;
     static const ph_stepping_params defaults;
     if (!p) p = &defaults;
     PH_CHECK(p->tolerance >= 0.0 && p->tolerance < 1.0 && p->fixed >= 0.0 &&
@@ -285,7 +284,7 @@ static ph_status begin(march *m, const ph_stepping_params *p, ph_error *err)
         share_of_step * (p->tolerance > 0.0 ? p->tolerance : default_tolerance);
     m->fixed = p->fixed;
     m->first = p->shortest > 0.0 ? p->shortest
-               : relax->ntimes   ? 0.05 * relax->time[0]
+               : m->s->ntimes    ? 0.05 * m->s->tau[0]
                                  : (double)INFINITY;
     m->most = p->most_steps > 0 ? p->most_steps : DEFAULT_STEPS;
     m->dt = m->first;
