@@ -49,6 +49,7 @@ static void end(call *c)
         c->out->applications = c->run.result->applications;
         c->out->seconds = c->run.result->seconds;
         c->out->elastic = c->run.result;
+        c->out->elastic->converged = true; /* a failure hands nothing out */
         c->run.result = NULL;
     }
     ph_i_run_clear(&c->run);

@@ -17,7 +17,6 @@ static ph_status tensor(const ph_sym4 *c, bool stiffness, json_t **out, ph_error
 static ph_status put_tensor(json_t *map, const char *key, const ph_sym4 *c, ph_error *err)
 {
     json_t *rows = NULL;
-    if (c->n == 0) return ph_i_json_put(map, key, json_null(), err);
     ph_status st = tensor(c, true, &rows, err);
     return st == PH_OK ? ph_i_json_put(map, key, rows, err) : st;
 }
@@ -84,52 +83,6 @@ out:
     return st;
 }
 
-static ph_status put_row(json_t *item, const char *key, int n, const double *row,
-                         ph_error *err)
-{
-    ph_status st = PH_OK;
-    json_t *list = json_array();
-    PH_CHECK(list, PH_ENOMEM, "no memory for a row");
-    for (int i = 0; i < n; i++)
-        PH_TRY(ph_i_json_add(list, ph_i_json_number(row[i]), err));
-    PH_TRY(ph_i_json_put(item, key, json_incref(list), err));
-out:
-    json_decref(list);
-    return st;
-}
-
-/* What a route without series has computed, tensor by tensor. */
-static ph_status put_values(json_t *map, const ph_viscoelastic *v, ph_error *err)
-{
-    ph_status st = PH_OK;
-    json_t *curve = json_array(), *dynamic = json_array();
-    PH_CHECK(curve && dynamic, PH_ENOMEM, "no memory for the values");
-    for (int k = 0; k < v->ncurve; k++) {
-        json_t *item = json_object();
-        PH_TRY(ph_i_json_add(curve, item, err));
-        PH_TRY(ph_i_json_put(item, "time", ph_i_json_number(v->curve[k].time), err));
-        PH_TRY(put_tensor(item, "stiffness", &v->curve[k].stiffness, err));
-        if (v->response)
-            PH_TRY(
-                put_row(item, "response", v->curve[k].stiffness.n, v->response[k], err));
-    }
-    for (int k = 0; k < v->ndynamic; k++) {
-        json_t *item = json_object();
-        PH_TRY(ph_i_json_add(dynamic, item, err));
-        PH_TRY(ph_i_json_put(item, "omega", ph_i_json_number(v->dynamic[k].omega), err));
-        PH_TRY(put_tensor(item, "storage", &v->dynamic[k].storage, err));
-        PH_TRY(put_tensor(item, "loss", &v->dynamic[k].loss, err));
-    }
-    if (v->ncurve > 0) PH_TRY(ph_i_json_put(map, "relaxation", json_incref(curve), err));
-    if (v->ndynamic > 0) {
-        PH_TRY(ph_i_json_put(map, "complex", json_incref(dynamic), err));
-    }
-out:
-    json_decref(curve);
-    json_decref(dynamic);
-    return st;
-}
-
 /* How it was computed. */
 static ph_status put_route(json_t *map, const ph_viscoelastic *v, ph_error *err)
 {
@@ -153,29 +106,19 @@ out:
     return st;
 }
 
-/* Ends of C(t) that the route has not computed. */
-static ph_status put_missing(json_t *reasons, const char *key, const ph_sym4 *c,
-                             ph_error *err)
-{
-    return c->n ? PH_OK
-                : ph_i_json_put(reasons, key,
-                                ph_i_json_text("this route does not compute it"), err);
-}
-
 static ph_status put_block(json_t *map, const ph_viscoelastic *v,
                            const ph_relaxation_report *r, json_t *reasons, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_TRY(put_tensor(map, "instantaneous", &v->instantaneous, err));
-    PH_TRY(put_tensor(map, "stiffness_infinity",
-                      r ? &r->series->equilibrium : &v->equilibrium, err));
-    if (r) {
-        PH_TRY(put_terms(map, r->series, err));
+    const ph_prony *series = r ? r->series : NULL;
+    const ph_sym4 *last = series ? &series->equilibrium : &v->equilibrium;
+    if (v->instantaneous.n)
+        PH_TRY(put_tensor(map, "instantaneous", &v->instantaneous, err));
+    if (last->n) PH_TRY(put_tensor(map, "stiffness_infinity", last, err));
+    if (series) {
+        PH_TRY(put_terms(map, series, err));
         PH_TRY(ph_i_json_put(map, "exact_terms", json_integer(v->series->nterms), err));
         PH_TRY(ph_i_json_put(map, "fit_error", ph_i_json_number(r->fit_error), err));
-        PH_TRY(put_table(map, "curves", r->curves, err));
-        PH_TRY(put_table(map, "dynamic", r->dynamic, err));
-        if (r->response) PH_TRY(put_table(map, "response", r->response, err));
         if (r->constants->why[0])
             PH_TRY(ph_i_json_put(reasons, "effective.viscoelastic.curves",
                                  ph_i_json_text(r->constants->why), err));
@@ -183,12 +126,10 @@ static ph_status put_block(json_t *map, const ph_viscoelastic *v,
         PH_TRY(ph_i_json_put(map, "terms", json_null(), err));
         PH_TRY(ph_i_json_put(reasons, "effective.viscoelastic.terms",
                              ph_i_json_text("this route gives no series"), err));
-        PH_TRY(put_values(map, v, err));
-        PH_TRY(put_missing(reasons, "effective.viscoelastic.instantaneous",
-                           &v->instantaneous, err));
-        PH_TRY(put_missing(reasons, "effective.viscoelastic.stiffness_infinity",
-                           &v->equilibrium, err));
     }
+    if (r && r->curves) PH_TRY(put_table(map, "curves", r->curves, err));
+    if (r && r->dynamic) PH_TRY(put_table(map, "dynamic", r->dynamic, err));
+    if (r && r->response) PH_TRY(put_table(map, "response", r->response, err));
     PH_TRY(put_route(map, v, err));
 out:
     return st;

@@ -71,6 +71,25 @@ check "four shards, merged, are the single run" same parts one
 campaign -o parts --merge parts/shard-2-of-4 parts/shard-4-of-4 parts/shard-2-of-4
 check "merging twice changes nothing" same parts one
 
+# With cheaper models of every realisation: killed, and split by points.
+sed 's/^realisations:.*/realisations: {at_most: 400, until: {quantity: C11, relative_half_width: 0.01}}/' sweep.yaml >models.yaml
+echo 'variance_reduction: auto' >>models.yaml
+models() { "$perihom" campaign models.yaml -q "$@" >/dev/null; }
+models -o reduced -j 1
+check "variance reduction: all models have lines" sh -c 'grep -q "\"level\": 3" reduced/realisations.jsonl && grep -q "\"variance_reduction\"" reduced/campaign.json'
+for k in 1 2 3; do
+    "$perihom" campaign models.yaml -q -o reduced2 -j 2 >/dev/null 2>&1 &
+    pid=$!
+    sleep "0.1$k"
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+done
+models -o reduced2 -j 2
+check "... killed three times: the same" same reduced2 reduced
+for k in 2 1; do models -o reduced3 --shard $k/2 -j 1; done
+models -o reduced3 --merge
+check "... two shards, merged: the same" same reduced3 reduced
+
 # Another campaign in the same folder is refused.
 sed 's/0.05\]/0.06]/' sweep.yaml >other.yaml
 "$perihom" campaign other.yaml -o one -q 2>err
@@ -125,6 +144,18 @@ check "they are not tried again" same failing failing2
 "$perihom" campaign failing.yaml -o failing -q --retry-failed >/dev/null 2>&1
 check "--retry-failed tries the $failed again" test "$(wc -l <failing/costs.csv)" -eq $((41 + failed))
 check "... with the same end" same failing failing2
+
+# Wrong usage.
+for wrong in '--shard 5/4' '--shard 0/4' '--shard 1' '--shard 1/4x' '--memory 8X' '--memory -1' \
+    '--merge --rebuild' '--shard 1/2 --merge' '-j 0' 'other.yaml'; do
+    # shellcheck disable=SC2086
+    "$perihom" campaign sweep.yaml -o wrong $wrong >/dev/null 2>&1
+    check "$wrong: exit code 2" test $? -eq 2
+done
+check "... and no folder" test ! -e wrong
+"$perihom" campaign sweep.yaml -o nothing --merge -q 2>err
+check "nothing to merge: exit code 5" test $? -eq 5
+check "... and it says so" grep -q 'there is no nothing/shard-' err
 
 # A worker that is killed: its realisation is computed again.
 sed 's/realisations:.*/realisations: 12/' sweep.yaml >slow.yaml
