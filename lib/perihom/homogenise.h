@@ -132,6 +132,8 @@ typedef struct ph_result {
     double strain_average;       /* worst load: |<e> - eps_bar| / |eps_bar| */
     double asymmetry;            /* |C - C^T| / |C| before C was made symmetric */
     double stabilisation_energy; /* worst load: share of the total energy */
+    /* why residuals and the four measures above are NaN; NULL: they were computed */
+    const char *unchecked;
     long applications;           /* of the operator */
     long ffts;                   /* scalar real transforms */
 
