@@ -61,6 +61,10 @@ ph_status ph_i_run_rebuild(ph_run *run, ph_error *err);
 /** All steps of the cracks, the pristine cell first. */
 ph_status ph_i_run_damage(ph_run *run, ph_error *err);
 
+/** Take out of a stiffness what a solver leaves of nothing: eigenvalues below 1e-10 of the
+ *  largest. */
+void ph_i_drop_nothing(ph_sym4 *stiffness);
+
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);
 ph_status ph_i_run_stiffness(ph_run *run, ph_error *err);
