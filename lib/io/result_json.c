@@ -418,10 +418,9 @@ static ph_status put_solver(draft_document *d, ph_error *err)
         PH_TRY(ph_i_json_add(iterations, json_integer(r->iterations[i]), err));
         PH_TRY(ph_i_json_add(residual, ph_i_json_number(r->residual[i]), err));
         if (!isfinite(r->residual[i]))
-            PH_TRY(put_reason(d, "solver.residual",
-                              r->unchecked ? r->unchecked
-                                           : "not finite: the solver broke down",
-                              err));
+            PH_TRY(put_reason(
+                d, "solver.residual",
+                r->unchecked ? r->unchecked : "not finite: the solver broke down", err));
     }
     PH_TRY(ph_i_json_put(solver, "loads", json_incref(loads), err));
     PH_TRY(ph_i_json_put(solver, "iterations", json_incref(iterations), err));

@@ -37,6 +37,18 @@ $ head -c 4 relaxing-results/relaxation.svg
 $ perihom run relaxing.yaml --json -q -o again > out; json_get effective.viscoelastic.route < out
 > "reduced"
 
+# What was not computed is null and not zero; every route's elastic block is that at once.
+$ json_get quality.hill_mandel < out; json_get solver.residual.0 < out; grep -c 'route reduced checks the error of the series instead' out
+> null
+> null
+> 3
+
+$ perihom run relaxing.yaml -q -o again | grep '^quality'
+> quality     route reduced checks the error of the series instead
+
+$ for route in reduced carson; do perihom run relaxing.yaml --set viscoelastic.route=$route -q -o $route-at-once | grep '^  E1 ' | head -n 1; done | uniq | wc -l
+> 1
+
 # The resolved case is a case of the same meaning.
 $ perihom check relaxing.yaml > resolved.yaml && perihom check resolved.yaml | diff resolved.yaml - && grep -A1 'viscoelastic:' resolved.yaml
 > viscoelastic:
