@@ -134,8 +134,8 @@ typedef struct ph_result {
     double stabilisation_energy; /* worst load: share of the total energy */
     /* why residuals and the four measures above are NaN; NULL: they were computed */
     const char *unchecked;
-    long applications;           /* of the operator */
-    long ffts;                   /* scalar real transforms */
+    long applications; /* of the operator */
+    long ffts;         /* scalar real transforms */
 
     ph_bond_report bond;
     ph_damage *damage; /* with cracks; the stiffness above is that of the last step */
