@@ -81,3 +81,33 @@ $ printf 'percent,E,sd\n1,,0.05\n' > clay.csv; perihom calibrate kappa.yaml
 $ perihom calibrate none.yaml
 ! perihom: error: none.yaml: *
 ? 5
+
+# What the calibration sets itself cannot come from elsewhere too; names are unique.
+$ printf 'percent,E,sd\n1,3.6,0.05\n2.5,0,0.05\n' > clay.csv; perihom calibrate kappa.yaml -o untouched --set microstructure.fillers.0.interphase.kappa=3; perihom calibrate kappa.yaml -o untouched --set microstructure.fillers.0.weight_fraction=0.03; test -e untouched || echo no folder
+! perihom: error: --set microstructure.fillers.0.interphase.kappa: the calibration sets this key*
+! perihom: error: --set microstructure.fillers.0.weight_fraction: the calibration sets this key*
+> no folder
+
+$ sed 's/columns: {/columns: {microstructure.fillers.0.interphase.kappa: percent, /' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! bad.yaml:5: data.columns.microstructure.fillers.0.interphase.kappa: is an unknown*
+? 3
+
+$ sed 's/start: 1}/start: 1, name: x}, materials.clay.E: {from: 100, to: 200, name: x}/' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! bad.yaml:4: unknowns.materials.clay.E.name: 'x' is not admissible: is the name of another unknown
+? 3
+
+$ sed 's/start: 1}/start: 1}, materials.clay.E: {from: 100, to: 200, also: [microstructure.fillers.0.interphase.kappa]}/' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! bad.yaml:4: unknowns.materials.clay.E.also.0: *: is an unknown already
+? 3
+
+# What no realisation can give is refused before one is solved.
+$ sed 's/E1: E/fraction.dirt: E/' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! perihom: error: bad.yaml: data.columns: fraction.dirt: the case has no material 'dirt'
+? 3
+
+$ sed 's/, sigma: sd//' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! perihom: error: ./clay.csv:3: E1 is 0: it has no relative error, give a sigma
+? 3
+
+$ ls -d bad-results 2>&1 | grep -c cannot
+> 1
