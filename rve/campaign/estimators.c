@@ -350,8 +350,9 @@ static ph_status stages(plan *p, ph_estimation *out, ph_error *err)
         raise_numbers(p, &out->estimate, h, out->stage == 1 ? 0.5 : 1, out->want);
     }
     /* The plan takes the coefficients as known: what is missing. */
-    for (double less = h; h > 0 && out->estimate.half_width > h; less *= 0.99) {
+    for (int round = 0; h > 0 && out->estimate.half_width > h; round++) {
         ptrdiff_t before[PH_MAX_MODELS];
+        double less = h * pow(0.99, round);
         memcpy(before, out->want, sizeof before);
         raise_numbers(p, &out->estimate, less, 1, out->want);
         if (memcmp(before, out->want, sizeof before) == 0) {

@@ -176,28 +176,35 @@ static int derived(const ph_case *c, int kinds[3])
 
 /* ---- the cases ------------------------------------------------------------------------- */
 
-static ph_status read_model(const char *const *sets, size_t nsets, const char *const *own,
-                            size_t nown, int point, int m, ph_campaign *c,
-                            ph_case_issues *issues, ph_error *err)
+/* Overrides of a case. */
+typedef struct overrides {
+    const char *const *item;
+    size_t n;
+} overrides;
+
+/* Model m of a point: the case with the overrides of the point and its own. */
+static ph_status read_model(const overrides *of_point, const overrides *own, int point,
+                            int m, ph_campaign *c, ph_case_issues *issues, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_error why = PH_ERROR_INIT;
     char *json = NULL;
     const char **all = NULL;
-    PH_ALLOC(all, nsets + nown, "overrides");
-    memcpy(all, sets, nsets * sizeof *all);
-    memcpy(all + nsets, own, nown * sizeof *all);
+    size_t n = of_point->n + own->n, used = 0;
+    PH_ALLOC(all, n, "overrides");
+    for (size_t i = 0; i < n; i++)
+        all[i] = i < of_point->n ? of_point->item[i] : own->item[i - of_point->n];
     ph_case **out = &c->point[point].model[m];
-    ph_status read = ph_case_read(c->case_path, all, nsets + nown, out, issues, &why);
+    ph_status read = ph_case_read(c->case_path, all, n, out, issues, &why);
     PH_CHECK(read != PH_ENOMEM && (read == PH_OK || issues->count > 0), read, "%s",
              why.msg);
     if (read != PH_OK) goto out;
     PH_TRY(ph_case_to_json(*out, &json, err));
     c->hash = ph_i_hash(c->hash, json, strlen(json) + 1);
-    size_t n = 0;
-    for (size_t i = 0; point == 0 && i < nown && n < sizeof c->model_name[m]; i++)
-        n += (size_t)snprintf(c->model_name[m] + n, sizeof c->model_name[m] - n, "%s%s",
-                              i ? ", " : "", own[i]);
+    char *name = c->model_name[m];
+    for (size_t i = 0; point == 0 && i < own->n && used < sizeof c->model_name[m]; i++)
+        used += (size_t)snprintf(name + used, sizeof c->model_name[m] - used, "%s%s",
+                                 i ? ", " : "", own->item[i]);
 out:
     free(json);
     free(all);
@@ -211,8 +218,8 @@ static void take_fillers(ph_campaign *c, int m)
     c->hash = ph_i_hash(c->hash, "fillers", 8);
 }
 
-static ph_status resolve_derived(int point, const char *const *sets, size_t nsets,
-                                 ph_campaign *c, ph_case_issues *issues, ph_error *err)
+static ph_status resolve_derived(const overrides *of_point, int point, ph_campaign *c,
+                                 ph_case_issues *issues, ph_error *err)
 {
     ph_status st = PH_OK;
     char text[SETS][256];
@@ -226,8 +233,8 @@ static ph_status resolve_derived(int point, const char *const *sets, size_t nset
             take_fillers(c, m);
             continue;
         }
-        size_t nown = derive(c->point[point].c, kinds[m - 1], text);
-        PH_TRY(read_model(sets, nsets, own, nown, point, m, c, issues, err));
+        const overrides mine = {own, derive(c->point[point].c, kinds[m - 1], text)};
+        PH_TRY(read_model(of_point, &mine, point, m, c, issues, err));
     }
 out:
     return st;
@@ -260,10 +267,11 @@ ph_status ph_i_levels_resolve(const ph_i_levels *levels, int point,
                               ph_case_issues *issues, ph_error *err)
 {
     ph_status st = PH_OK;
+    const overrides of_point = {sets, nsets};
     if (!levels->given) goto out;
     PH_TRY(choose_outputs(c, point, err));
     if (levels->automatic) {
-        PH_TRY(resolve_derived(point, sets, nsets, c, issues, err));
+        PH_TRY(resolve_derived(&of_point, point, c, issues, err));
         goto out;
     }
     c->nmodels = 1 + levels->n;
@@ -274,8 +282,8 @@ ph_status ph_i_levels_resolve(const ph_i_levels *levels, int point,
                      "variance_reduction.levels: the case has no fillers");
             continue;
         }
-        PH_TRY(read_model(sets, nsets, (const char *const *)levels->set[m],
-                          levels->nsets[m], point, m, c, issues, err));
+        const overrides own = {(const char *const *)levels->set[m], levels->nsets[m]};
+        PH_TRY(read_model(&of_point, &own, point, m, c, issues, err));
     }
 out:
     return st;

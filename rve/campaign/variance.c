@@ -82,9 +82,8 @@ static void samples_of(const ph_i_tally *t, int point, int k, ph_model_samples *
     }
 }
 
-static ph_status decide(ph_i_tally *t, int point, ph_error *err)
+static void decide(ph_i_tally *t, int point)
 {
-    ph_status st = PH_OK;
     const ph_campaign *c = t->c;
     ph_estimation *e = &t->estimation[point];
     ph_model_samples models[PH_MAX_MODELS];
@@ -105,15 +104,12 @@ static ph_status decide(ph_i_tally *t, int point, ph_error *err)
         why = (ph_error)PH_ERROR_INIT;
         got = ph_estimation_next(&rule, c->nmodels, models, e, &why);
     }
-    PH_CHECK(got != PH_ENOMEM, PH_ENOMEM, "%s", why.msg);
     if (got != PH_OK) { /* all pilots failed: nothing more to learn here */
         e->done = true;
         snprintf(e->reason, sizeof e->reason, "%.250s", why.msg);
     }
     for (int m = 0; m < c->nmodels; m++)
         t->point[model_slot(c, point, m)].done = e->done;
-out:
-    return st;
 }
 
 ph_status ph_i_variance_begin(ph_i_tally *t, ph_error *err)
@@ -151,7 +147,7 @@ ph_status ph_i_variance_add(ph_i_tally *t, int slot, bool failed, int iterations
     }
     p->next++;
     while (stage_is_complete(t, point) && !t->estimation[point].done)
-        PH_TRY(decide(t, point, err));
+        decide(t, point);
 out:
     return st;
 }
