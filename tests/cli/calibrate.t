@@ -111,3 +111,7 @@ $ sed 's/, sigma: sd//' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
 
 $ ls -d bad-results 2>&1 | grep -c cannot
 > 1
+
+# Cracks are random too: a mean over three realisations, with an error of sampling.
+$ printf '%s\n' 'perihom: 1' 'materials: {m: {E: 3.5, nu: 0.3333333333333333}}' 'microstructure: {dimension: 2, plane: stress, size: [16, 16], nodes: [16, 16], matrix: m, interface: node_centre}' 'model: {kind: bond, horizon: 2}' 'cracks: [{random: {count: 2, length: 4}}]' > cracked.yaml; printf '%s\n' 'calibration: 1' 'case: cracked.yaml' 'unknowns: {materials.m.E: {from: 1, to: 10}}' 'data: {file: c.csv, columns: {E1: E, sigma: 0.1}}' 'budget: {relative_error: 0.9, at_least: 3, realisations: 3}' > c.yaml; printf 'E\n3.3\n' > c.csv; perihom calibrate c.yaml -q | grep '^E1'
+> E1                3.3        0.1 *nan     3
