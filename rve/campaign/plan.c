@@ -189,7 +189,7 @@ void ph_i_data_read(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep *swe
         }
     }
     if (!d->key[0])
-        ph_i_missing(r, columns, "KEY", "a key that varies: the column of x");
+        ph_i_complain(r, columns, PH_EINVAL, "a swept key is missing: the column of x");
     else if (!d->quantity[0])
         ph_i_missing(r, columns, c->output[0].name,
                      "one of the outputs: the column of y");
