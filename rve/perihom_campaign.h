@@ -244,7 +244,8 @@ PH_API ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params 
 PH_API ph_status ph_campaign_merge(const ph_campaign *c, const char *folder,
                                    const char *const *from, size_t nfrom,
                                    ph_campaign_result **out, ph_error *err);
-/** Only sum up what is there. */
+/** Only sum up what is there. @return as ph_campaign_run; PH_EIO where nothing is there, and
+ *  no folder is made */
 PH_API ph_status ph_campaign_summarise(const ph_campaign *c, const char *folder,
                                        ph_campaign_result **out, ph_error *err);
 /** The document of schema perihom.campaign/1 (docs/campaigns.md), malloc'd: the same bytes
