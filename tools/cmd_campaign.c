@@ -127,6 +127,9 @@ static int check_usage(const campaign_options *o, ph_campaign_params *p)
     if (code < 0 && o->merge + o->rebuild + (o->shard != NULL) > 1)
         code = options_usage_error(&campaign_verb,
                                    "only one of --shard, --merge and --rebuild");
+    if (code < 0 && (o->jobs > 256 || o->threads > 1024))
+        code = options_usage_error(
+            &campaign_verb, "--jobs up to 256 and --threads up to 1024 are admissible");
     if (code < 0 && o->operands.count > 1 && !o->merge)
         code = options_usage_error(&campaign_verb, "one campaign at a time");
     return code;
