@@ -70,6 +70,9 @@ campaign -o parts --merge
 check "four shards, merged, are the single run" same parts one
 campaign -o parts --merge parts/shard-2-of-4 parts/shard-4-of-4 parts/shard-2-of-4
 check "merging twice changes nothing" same parts one
+for k in 1 2; do campaign -o 'q [1]*' --shard $k/2 -j 1; done
+campaign -o 'q [1]*' --merge
+check "a folder with letters that a shell would expand" same 'q [1]*' one
 
 # With cheaper models of every realisation: killed, and split by points.
 sed 's/^realisations:.*/realisations: {at_most: 400, until: {quantity: C11, relative_half_width: 0.01}}/' sweep.yaml >models.yaml
@@ -213,8 +216,9 @@ check "... is in the table" grep -q 'E1(t=1)' table
 sed 's/clay/"cl\/ay"/' random.yaml | sed 's/material: "cl/material: cl/; s/ay",/ay,/' >slash.yaml
 printf '%s\n' 'campaign: 1' 'case: slash.yaml' 'realisations: 2' 'outputs: [fraction.cl/ay]' \
     'sweep: {materials.cl/ay.nu: [0.2, 0.3], materials.epoxy.nu: [0.3, 0.35]}' >names.yaml
-"$perihom" campaign names.yaml -q >/dev/null 2>err
+"$perihom" campaign names.yaml -q >table 2>err
 check "a material with a slash" test $? -eq 0
+check "two keys with one last word have two names" grep -q 'cl/ay.nu *epoxy.nu' table
 check "two keys with one last word have two pictures" test "$(ls names-results/plots/*-against-* | wc -l)" -eq 2
 
 # A worker that is killed: its realisation is computed again.
