@@ -58,11 +58,13 @@ out:
 
 int ph_point_components(const ph_point_material *material)
 {
+    if (!material) return 0;
     return material->n;
 }
 
 size_t ph_point_state_size(const ph_point_material *material)
 {
+    if (!material) return 0;
     return (size_t)material->n * (size_t)(1 + material->terms);
 }
 
@@ -90,6 +92,7 @@ ph_status ph_point_update(const ph_point_material *m, double *state,
                           const double *dstrain, double dt, double *stress,
                           double *tangent)
 {
+    if (!m || !state || !dstrain || !stress) return PH_EINVAL;
     int n = m->n;
     bool good = dt >= 0.0 && isfinite(dt);
     for (int i = 0; i < n; i++)
