@@ -73,6 +73,7 @@ typedef struct campaign {
     char dir[DESTINATION_PATH];
     ph_campaign *c;
     ph_campaign_params params;
+    campaign_talk talk;
     ph_campaign_result *result;
     char *json;
 } campaign;
@@ -92,12 +93,15 @@ static int load(const char *path, const text_list *sets, ph_campaign **out)
 /* "3/8" */
 static int read_shard(const campaign_options *o, ph_campaign_params *p)
 {
-    char end;
+    char *slash, *end = NULL;
     if (!o->shard) return -1;
-    if (sscanf(o->shard, "%d/%d%c", &p->shard, &p->shards, &end) != 2 || p->shards < 1 ||
-        p->shard < 1 || p->shard > p->shards)
+    long k = strtol(o->shard, &slash, 10), n = 0;
+    if (*slash == '/') n = strtol(slash + 1, &end, 10);
+    if (!end || *end || k < 1 || k > n || n > 1000000)
         return options_usage_error(&campaign_verb,
                                    "--shard: '%s' is not K/N with 1 <= K <= N", o->shard);
+    p->shard = (int)k;
+    p->shards = (int)n;
     return -1;
 }
 
@@ -171,21 +175,21 @@ static ph_status run(campaign *m, ph_error *err)
 {
     ph_status st = PH_OK;
     const campaign_options *o = m->options;
-    campaign_talk t = {.c = m->c,
-                       .style = progress_choose(o->quiet, o->verbose, o->progress)};
+    m->talk = (campaign_talk){
+        .c = m->c, .style = progress_choose(o->quiet, o->verbose, o->progress)};
     m->params.folder = m->dir;
     m->params.jobs = o->jobs;
     m->params.threads = o->threads;
     m->params.retry_failed = o->retry_failed;
     m->params.progress = campaign_step;
-    m->params.user = &t;
+    m->params.user = &m->talk;
     if (o->merge)
         st = merge(m, err);
     else if (o->rebuild)
         st = ph_campaign_summarise(m->c, m->dir, &m->result, err);
     else
         st = ph_campaign_run(m->c, &m->params, &m->result, err);
-    campaign_talk_end(&t);
+    campaign_talk_end(&m->talk);
     return st;
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
+#include "damage.h"
 #include "destination.h"
 #include "interrupt.h"
 #include "memory.h"
@@ -104,21 +105,6 @@ out:
     return st;
 }
 
-static ph_status write_damage(const run *r, destination *to, ph_error *err)
-{
-    ph_status st = PH_OK;
-    char path[DESTINATION_PATH + 64], *text = NULL;
-    destination_file(to, "damage.png", path, sizeof path);
-    PH_TRY(
-        ph_write_png(path, &r->result->grid, r->result->damage->field, 3, "damage", err));
-    PH_TRY(ph_damage_to_csv(r->result->damage, &text, err));
-    destination_file(to, "damage.csv", path, sizeof path);
-    PH_TRY(ph_write_file(path, text, strlen(text), err));
-out:
-    free(text);
-    return st;
-}
-
 static ph_status write_files(const run *r, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -134,7 +120,7 @@ static ph_status write_files(const run *r, ph_error *err)
                                err));
     }
     if (r->report) PH_TRY(relaxation_write(&to, r->c, r->report, err));
-    if (r->result && r->result->damage) PH_TRY(write_damage(r, &to, err));
+    if (r->result && r->result->damage) PH_TRY(damage_write(&to, r->result, err));
     destination_file(&to, "result.json", path, sizeof path);
     PH_TRY(ph_write_file(path, r->json, strlen(r->json), err));
     PH_TRY(stop_if_interrupted(err));

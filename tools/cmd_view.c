@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* perihom view: pictures of the phases and fields of a result. */
+#include "damage.h"
 #include "relaxation.h"
 #include "tools.h"
 
@@ -250,7 +251,7 @@ static bool has_fields(const char *result)
     return stat(path, &about) == 0;
 }
 
-/* The curves of a folder of a case that relaxes, unless one field was asked for. */
+/* The curves of a folder of a case that relaxes or cracks, unless one field was asked for. */
 static int draw_curves(const view_options *o, int *drawn)
 {
     ph_error err = PH_ERROR_INIT;
@@ -260,6 +261,8 @@ static int draw_curves(const view_options *o, int *drawn)
         return 0;
     ph_status st =
         relaxation_view(result, o->folder ? o->folder : result, o->quiet, drawn, &err);
+    if (st == PH_OK)
+        st = damage_view(result, o->folder ? o->folder : result, o->quiet, drawn, &err);
     return st == PH_OK ? 0 : talk_error(&err);
 }
 

@@ -10,10 +10,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Carson variables for the route that solves each: four a decade over the relaxation times
- * of the phases and one decade beyond, at most MOST. */
-enum { MOST_CARSON = 64 };
-static int carson_grid(const ph_case *c, double *s)
+/* Where the routes that have no series are asked: over the relaxation times of the phases
+ * and one decade beyond; `rates`: their inverses. */
+enum { MOST_POINTS = 256 };
+static int phase_grid(const ph_case *c, int per_decade, bool rates, double *x)
 {
     double first = HUGE_VAL, last = 0;
     for (int i = 0; i < c->nmaterials; i++) {
@@ -22,10 +22,12 @@ static int carson_grid(const ph_case *c, double *s)
         first = fmin(first, p->term[0].time);
         last = fmax(last, p->term[p->nterms - 1].time);
     }
-    double lo = -1 - log10(last), hi = 1 - log10(first);
-    int n = (int)fmin(MOST_CARSON, ceil(4 * (hi - lo)) + 1);
-    for (int k = 0; k < n; k++)
-        s[k] = pow(10, lo + (hi - lo) * k / (n - 1));
+    double lo = log10(first) - 1, hi = log10(last) + 1;
+    int n = (int)fmin(MOST_POINTS, ceil(per_decade * (hi - lo)) + 1);
+    for (int k = 0; k < n; k++) {
+        double u = lo + (hi - lo) * k / (n - 1);
+        x[rates ? n - 1 - k : k] = pow(10, rates ? -u : u);
+    }
     return n;
 }
 
@@ -34,15 +36,30 @@ ph_status relaxation_solve(const ph_case *c, const ph_problem *problem, const ph
                            ph_error *err)
 {
     ph_status st = PH_OK;
-    double s[MOST_CARSON];
-    ph_relaxation_params params = {.route = c->viscoelastic.route,
-                                   .tolerance = c->viscoelastic.tolerance};
-    if (strcmp(params.route, "carson") == 0) {
-        params.carson = s;
-        params.ncarson = carson_grid(c, s);
+    double x[MOST_POINTS];
+    const ph_case_viscoelastic *w = &c->viscoelastic;
+    ph_relaxation_params params = {.route = w->route,
+                                   .tolerance = w->tolerance,
+                                   .times = w->times,
+                                   .ntimes = w->ntimes,
+                                   .omega = w->frequencies,
+                                   .nomega = w->nfrequencies};
+    if (strcmp(w->route, "carson") == 0) {
+        params.carson = x;
+        params.ncarson = phase_grid(c, 4, true, x);
+    } else if (strcmp(w->route, "stepping") == 0) {
+        params.history = w->history;
+        if (!w->times) {
+            params.times = x;
+            params.ntimes = phase_grid(c, 10, false, x);
+        }
+    } else if (strcmp(w->route, "frequency") == 0 && !w->frequencies) {
+        params.omega = x;
+        params.nomega = phase_grid(c, 4, true, x);
     }
     PH_TRY(ph_viscoelastic_solve(problem, &params, ctx, v, err));
-    if ((*v)->series) PH_TRY(ph_relaxation_report_new(*v, &c->viscoelastic, report, err));
+    if ((*v)->series || (*v)->ncurve > 0 || (*v)->ndynamic > 0)
+        PH_TRY(ph_relaxation_report_new(*v, w, report, err));
 out:
     return st;
 }
@@ -111,8 +128,9 @@ static ph_status plot_curves(const frame *f, const ph_table *t, ph_error *err)
 
 static ph_status plot_dynamic(const frame *f, const ph_table *t, ph_error *err)
 {
-    static const char *const parts[] = {"E1_storage", "E2_storage", "G12_storage",
-                                        "E1_loss",    "E2_loss",    "G12_loss"};
+    static const char *const parts[] = {"E1_storage",  "E2_storage", "G12_storage",
+                                        "E1_loss",     "E2_loss",    "G12_loss",
+                                        "C11_storage", "C11_loss"};
     static const char *const loss[] = {"E1_tan_delta",  "E2_tan_delta",  "E3_tan_delta",
                                        "G23_tan_delta", "G13_tan_delta", "G12_tan_delta"};
     char omega[64], stress[64];
@@ -124,7 +142,7 @@ static ph_status plot_dynamic(const frame *f, const ph_table *t, ph_error *err)
                     .log_x = true,
                     .log_y = true};
     ph_status st = plot_columns(f, "dynamic", &plot, t, parts, COUNT(parts), err);
-    if (st != PH_OK) return st;
+    if (st != PH_OK || ph_table_column(t, loss[0]) < 0) return st;
     plot.title = "Loss tangent";
     plot.ylabel = "tan delta";
     plot.log_y = false;
@@ -161,16 +179,20 @@ ph_status relaxation_write(const destination *to, const ph_case *c,
                      .stress = c->unit_stress,
                      .given_stress =
                          c->viscoelastic.history && c->viscoelastic.history->stress};
-    PH_TRY(write_table(to, "prony.csv", r->terms, err));
-    PH_TRY(write_table(to, "relaxation.csv", r->curves, err));
-    PH_TRY(write_table(to, "dynamic.csv", r->dynamic, err));
-    PH_TRY(plot_curves(&f, r->curves, err));
-    PH_TRY(plot_dynamic(&f, r->dynamic, err));
+    if (r->terms) PH_TRY(write_table(to, "prony.csv", r->terms, err));
+    if (r->curves) {
+        PH_TRY(write_table(to, "relaxation.csv", r->curves, err));
+        PH_TRY(plot_curves(&f, r->curves, err));
+    }
+    if (r->dynamic) {
+        PH_TRY(write_table(to, "dynamic.csv", r->dynamic, err));
+        PH_TRY(plot_dynamic(&f, r->dynamic, err));
+    }
     if (r->response) {
         PH_TRY(write_table(to, "response.csv", r->response, err));
         PH_TRY(plot_response(&f, r->response, err));
     }
-    if (r->series->equilibrium.n == 6) {
+    if (r->series && r->series->equilibrium.n == 6) {
         destination_file(to, "prony.yaml", path, sizeof path);
         PH_TRY(ph_prony_to_yaml(r->series, "effective", &text, err));
         PH_TRY(ph_write_file(path, text, strlen(text), err));
@@ -295,6 +317,20 @@ static void put_terms(FILE *to, const ph_case *c, const ph_viscoelastic *v,
 /* Of a route without series: first row of the tensor at every Carson variable. */
 static void put_values(FILE *to, const ph_case *c, const ph_viscoelastic *v)
 {
+    for (int k = 0; k < v->ncurve; k++) {
+        if (k == 0)
+            fprintf(to, "\n%12s %12s %12s   [%s]\n", "time", "C11", "C12",
+                    c->unit_stress);
+        fprintf(to, "%12.5g %12.6g %12.6g\n", v->curve[k].time,
+                v->curve[k].stiffness.m[0][0], v->curve[k].stiffness.m[0][1]);
+    }
+    for (int k = 0; k < v->ndynamic; k++) {
+        if (k == 0)
+            fprintf(to, "\n%12s %12s %12s   [%s]\n", "omega", "C11'", "C11''",
+                    c->unit_stress);
+        fprintf(to, "%12.5g %12.6g %12.6g\n", v->dynamic[k].omega,
+                v->dynamic[k].storage.m[0][0], v->dynamic[k].loss.m[0][0]);
+    }
     if (v->nvalues == 0) return;
     fprintf(to, "\n%12s %12s %12s   [%s]\n", "s", "C11", "C12", c->unit_stress);
     for (int k = 0; k < v->nvalues; k++)
@@ -310,8 +346,10 @@ static void put_cost(FILE *to, const ph_viscoelastic *v)
     if (v->basis)
         fprintf(to, ", basis of %d fields (%s)", v->basis,
                 report_bytes(v->basis_bytes, bytes));
+    if (v->steps) fprintf(to, ", %ld steps", v->steps);
     fprintf(to, "\n            %s", report_seconds(v->seconds, seconds));
-    if (isfinite(v->error)) fprintf(to, ", estimated relative error %.1e", v->error);
+    if (isfinite(v->error) && v->error > 0)
+        fprintf(to, ", estimated relative error %.1e", v->error);
     fputc('\n', to);
     if (v->lost)
         fprintf(
@@ -325,7 +363,7 @@ void relaxation_print(FILE *to, const ph_case *c, const ph_viscoelastic *v,
                       const ph_relaxation_report *r)
 {
     report_result(to, c, v->elastic);
-    if (r) {
+    if (r && r->series) {
         put_constants(to, c, r);
         put_terms(to, c, v, r);
     } else {

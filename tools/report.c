@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "report.h"
 
+#include "damage.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -126,29 +128,6 @@ static void put_stiffness(FILE *to, const char *stress, const ph_result *r)
     }
 }
 
-/* The steps of damage: what changed, Young's moduli over those without cracks, and so on. */
-static void put_damage(FILE *to, const char *length, const ph_damage *d)
-{
-    int axes = d->pristine.n == 6 ? 3 : 2;
-    bool grows = d->kind == PH_SEQUENCE_GROWTH;
-    char head[48];
-    snprintf(head, sizeof head, "crack length [%s]", length);
-    fprintf(to, "\ndamage\n  %16.32s %9s", grows ? head : "step", "density");
-    for (int n = 0; n < axes; n++)
-        fprintf(to, "   E%d/E%d(0)", n + 1, n + 1);
-    fprintf(to, " %10s %8s %12s\n", "anisotropy", "mean phi", "broken bonds");
-    for (int i = 0; i < d->nsteps; i++) {
-        const ph_damage_step *s = &d->step[i];
-        fprintf(to, "  %16.6g %9.5g", grows ? s->value : i + 1.0, s->density);
-        for (int n = 0; n < axes; n++)
-            fprintf(to, " %10.5f", s->psi[n]);
-        fprintf(to, " %10.4g %8.5f %12td", s->anisotropy, s->mean_damage,
-                s->broken_bonds);
-        if (s->mute_nodes) fprintf(to, "  (%td nodes without stress)", s->mute_nodes);
-        fputc('\n', to);
-    }
-}
-
 static void put_solver(FILE *to, const ph_result *r)
 {
     char bytes[32], total[32], solve[32];
@@ -176,6 +155,6 @@ void report_result(FILE *to, const ph_case *c, const ph_result *result)
     put_head(to, c, result);
     if ((result->loads & all) == all) put_engineering(to, c->unit_stress, result);
     put_stiffness(to, c->unit_stress, result);
-    if (result->damage) put_damage(to, c->unit_length, result->damage);
+    if (result->damage) damage_print(to, c->unit_length, result->damage);
     put_solver(to, result);
 }

@@ -3,6 +3,7 @@
 #include <perihom/damage.h>
 
 #include "core/jacobi.h"
+#include "effective/run.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,16 +47,27 @@ static const double nothing = 1e-10;
 
 static bool is_singular(const ph_sym4 *c)
 {
-    double a[6][6], least = INFINITY, top = 0.0;
+    double least, top;
+    ph_sym4_eigenvalues(c, &least, &top);
+    return !(least > nothing * top);
+}
+
+void ph_i_drop_nothing(ph_sym4 *c)
+{
+    double a[6][6] = {{0}}, v[6][6] = {{0}}, top = 0.0;
+    if (!is_singular(c)) return;
     for (int i = 0; i < c->n; i++)
         for (int j = 0; j < c->n; j++)
             a[i][j] = c->m[i][j];
-    ph_i_jacobi(c->n, 6, &a[0][0], NULL);
-    for (int i = 0; i < c->n; i++) {
-        least = fmin(least, a[i][i]);
-        top = fmax(top, a[i][i]);
-    }
-    return !(least > nothing * top);
+    ph_i_jacobi(c->n, 6, &a[0][0], &v[0][0]);
+    for (int k = 0; k < c->n; k++)
+        top = fmax(top, a[k][k]);
+    for (int i = 0; i < c->n; i++)
+        for (int j = 0; j < c->n; j++) {
+            c->m[i][j] = 0.0;
+            for (int k = 0; k < c->n; k++)
+                if (a[k][k] > nothing * top) c->m[i][j] += v[i][k] * v[j][k] * a[k][k];
+        }
 }
 
 double ph_anisotropy_index(const ph_sym4 *c)

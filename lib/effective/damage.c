@@ -91,6 +91,8 @@ static ph_status solve_step(ph_run *r, ph_error *err)
     r->result->converged = false;
     PH_TRY(ph_i_run_loads(r, err));
     PH_TRY(ph_i_run_stiffness(r, err));
+    if (r->result->loads == ph_i_run_all_loads(r->result))
+        ph_i_drop_nothing(&r->result->stiffness);
 out:
     return st;
 }

@@ -27,6 +27,8 @@ typedef struct ph_run {
     const ph_solver_method *solver;
     void *state;
     double *load, *u; /* the operator's work fields, see solver.h */
+    int soft;         /* phases that relax: the one that (S) follows, */
+    double softness;  /* and its softness at once */
     double contrast;  /* `auto` counts on at least this, of phases that
                                            * relax */
     ph_sym4 columns;  /* C or, by_stress, the compliance */
@@ -41,6 +43,10 @@ ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
 /** The operator and its solver. */
 ph_status ph_i_run_build(ph_run *run, ph_error *err);
+/** All of these for phases that relax, with the choices of `reduced`: `auto` sees the
+ *  contrast of all times, (S) follows the phase that is softest late. Comes with problem and
+ *  ctx. @return PH_EINVAL for a constraint without equations, and cracks */
+ph_status ph_i_run_relaxing(ph_run *run, ph_error *err);
 /** Time, memory and counts of a run that began at `start`, into its result. */
 double ph_i_run_now(void);
 void ph_i_run_account(ph_run *run, double start, double solving);
@@ -54,6 +60,10 @@ unsigned ph_i_run_all_loads(const ph_result *result);
 ph_status ph_i_run_rebuild(ph_run *run, ph_error *err);
 /** All steps of the cracks, the pristine cell first. */
 ph_status ph_i_run_damage(ph_run *run, ph_error *err);
+
+/** Take out of a stiffness what a solver leaves of nothing: eigenvalues below 1e-10 of the
+ *  largest. */
+void ph_i_drop_nothing(ph_sym4 *stiffness);
 
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);

@@ -126,5 +126,7 @@ ph_status ph_i_visco_answer(ph_viscoelastic *out, const ph_reduced *model,
         const ph_ctx *ctx, ph_viscoelastic *out, ph_error *err)
 PH_RELAXATION_ROUTE(reduced);
 PH_RELAXATION_ROUTE(carson);
+PH_RELAXATION_ROUTE(stepping);
+PH_RELAXATION_ROUTE(frequency);
 
 #endif

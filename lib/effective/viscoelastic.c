@@ -14,6 +14,12 @@ const ph_relaxation_route ph_relaxation_routes[] = {
     {{"carson", "an elastic problem at every Carson variable asked for", "Hashin1965",
       "every constraint and model"},
      ph_i_relaxation_carson},
+    {{"stepping", "time steps with exact exponential weights, adaptive",
+      "Taylor1970 Simo1998", "models nosb and local, not voigt or reuss"},
+     ph_i_relaxation_stepping},
+    {{"frequency", "a complex problem at every frequency asked for", "VanDerVorst1990",
+      "models nosb and local, families whole, not voigt or reuss"},
+     ph_i_relaxation_frequency},
 };
 const size_t ph_nrelaxation_routes =
     sizeof ph_relaxation_routes / sizeof *ph_relaxation_routes;
@@ -34,6 +40,9 @@ void ph_viscoelastic_free(ph_viscoelastic **out)
     ph_result_free(&v->elastic);
     free(v->points);
     free(v->values);
+    free(v->curve);
+    free(v->response);
+    free(v->dynamic);
     free(v);
     *out = NULL;
 }
@@ -116,6 +125,30 @@ out:
     return st;
 }
 
+/* What a route that gives a series need not say itself. */
+static ph_status evaluate(ph_viscoelastic *v, const ph_relaxation_params *p,
+                          ph_error *err)
+{
+    ph_status st = PH_OK;
+    if (!v->series) return PH_OK;
+    PH_ALLOC(v->curve, p->ntimes, "the curve");
+    PH_ALLOC(v->dynamic, p->nomega, "complex moduli");
+    for (; v->ncurve < p->ntimes; v->ncurve++)
+        v->curve[v->ncurve] = (ph_time_value){
+            p->times[v->ncurve], ph_prony_at_time(v->series, p->times[v->ncurve])};
+    for (; v->ndynamic < p->nomega; v->ndynamic++) {
+        ph_dynamic_value *d = &v->dynamic[v->ndynamic];
+        d->omega = p->omega[v->ndynamic];
+        ph_prony_complex(v->series, d->omega, &d->storage, &d->loss);
+    }
+    if (!p->history) goto out;
+    PH_ALLOC(v->response, p->ntimes, "the response");
+    PH_TRY(
+        ph_prony_response(v->series, p->history, p->ntimes, p->times, v->response, err));
+out:
+    return st;
+}
+
 static void say_lost(ph_viscoelastic *v)
 {
     if (v->lost == 0 || !v->elastic) return;
@@ -144,6 +177,7 @@ ph_status ph_viscoelastic_solve(const ph_problem *problem,
     PH_ALLOC(v, 1, "the viscoelastic result");
     v->route = route->info.name;
     PH_TRY(route->solve(problem, params, ctx, v, err));
+    PH_TRY(evaluate(v, params, err));
     say_lost(v);
     *out = v;
     v = NULL;

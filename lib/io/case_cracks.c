@@ -37,6 +37,11 @@ static bool read_point(ph_i_reader *r, const ph_i_node *node, double out[3])
                              out);
 }
 
+static bool same_point(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 static ph_status read_points(ph_i_reader *r, const ph_i_node *list, size_t least,
                              const char *rule, ph_crack_entry *k, ph_error *err)
 {
@@ -50,7 +55,7 @@ static ph_status read_points(ph_i_reader *r, const ph_i_node *list, size_t least
     k->npoints = (ptrdiff_t)list->count;
     for (size_t i = 0; i < list->count; i++) {
         if (!read_point(r, list->child[i], k->point[i])) return PH_OK;
-        if (i > 0 && memcmp(k->point[i], k->point[i - 1], sizeof *k->point) == 0)
+        if (i > 0 && same_point(k->point[i], k->point[i - 1]))
             ph_i_complain(r, list->child[i], PH_EUNPHYSICAL,
                           "is the same as the point before");
     }
@@ -77,7 +82,7 @@ static ph_status read_line(ph_i_reader *r, const ph_i_node *map, ph_crack_entry 
     if (!from || !to || !read_point(r, from, k->point[0]) ||
         !read_point(r, to, k->point[1]))
         return PH_OK;
-    if (memcmp(k->point[0], k->point[1], sizeof *k->point) == 0)
+    if (same_point(k->point[0], k->point[1]))
         ph_i_reject(r, to, PH_EUNPHYSICAL, "must be another point than 'from'");
 out:
     return st;

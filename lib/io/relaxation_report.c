@@ -106,6 +106,97 @@ out:
     return st;
 }
 
+/* ---- routes without a series: what they computed, component by component ---- */
+
+/* Columns `first` and C11 ... (upper triangle) with each suffix. */
+static ph_status component_table(int n, const char *first, int each,
+                                 const char *const *suffix, int rows, ph_table **out,
+                                 ph_error *err)
+{
+    enum { MOST = 1 + 21 * 3 };
+    char text[MOST][24];
+    const char *name[MOST];
+    int columns = 1;
+    snprintf(text[0], sizeof text[0], "%s", first);
+    for (int i = 0; i < n; i++)
+        for (int j = i; j < n; j++)
+            for (int k = 0; k < each; k++)
+                snprintf(text[columns++], sizeof text[0], "C%c%c%s",
+                         n == 3 && i == 2 ? '6' : '1' + i,
+                         n == 3 && j == 2 ? '6' : '1' + j, suffix[k]);
+    for (int k = 0; k < columns; k++)
+        name[k] = text[k];
+    return ph_table_new(columns, name, rows, out, err);
+}
+
+/* Part `part` of `parts` of every component into row `row`. */
+static void put_components(ph_table *t, int row, const ph_sym4 *c, int part, int parts)
+{
+    double voigt[36];
+    int column = 1 + part;
+    ph_sym4_to_voigt(c, true, voigt);
+    for (int i = 0; i < c->n; i++)
+        for (int j = i; j < c->n; j++, column += parts)
+            t->value[(ptrdiff_t)column * t->nrows + row] = voigt[c->n * i + j];
+}
+
+static ph_status curve_of(const ph_viscoelastic *v, ph_table **out, ph_error *err)
+{
+    static const char *const suffix[] = {""};
+    ph_status st =
+        component_table(v->curve[0].stiffness.n, "time", 1, suffix, v->ncurve, out, err);
+    for (int k = 0; st == PH_OK && k < v->ncurve; k++) {
+        (*out)->value[k] = v->curve[k].time;
+        put_components(*out, k, &v->curve[k].stiffness, 0, 1);
+    }
+    return st;
+}
+
+static ph_status dynamic_of(const ph_viscoelastic *v, ph_table **out, ph_error *err)
+{
+    static const char *const suffix[] = {"_storage", "_loss"};
+    ph_status st = component_table(v->dynamic[0].storage.n, "omega", 2, suffix,
+                                   v->ndynamic, out, err);
+    for (int k = 0; st == PH_OK && k < v->ndynamic; k++) {
+        (*out)->value[k] = v->dynamic[k].omega;
+        put_components(*out, k, &v->dynamic[k].storage, 0, 2);
+        put_components(*out, k, &v->dynamic[k].loss, 1, 2);
+    }
+    return st;
+}
+
+/* Both sides of the history at the times of the curve. */
+static ph_status response_of(const ph_viscoelastic *v, const ph_history *h,
+                             ph_table **out, ph_error *err)
+{
+    ph_status st = response_table(h->n, v->ncurve, out, err);
+    for (int k = 0; st == PH_OK && k < v->ncurve; k++) {
+        double given[6];
+        ph_history_at(h, v->curve[k].time, given);
+        (*out)->value[k] = v->curve[k].time;
+        for (int i = 0; i < h->n; i++) {
+            const double *strain = h->stress ? v->response[k] : given,
+                         *stress = h->stress ? given : v->response[k];
+            (*out)->value[(ptrdiff_t)(1 + i) * v->ncurve + k] = strain[i];
+            (*out)->value[(ptrdiff_t)(1 + h->n + i) * v->ncurve + k] = stress[i];
+        }
+    }
+    return st;
+}
+
+static ph_status without_series(const ph_viscoelastic *v,
+                                const ph_case_viscoelastic *wanted,
+                                ph_relaxation_report *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    if (v->ncurve > 0) PH_TRY(curve_of(v, &r->curves, err));
+    if (v->ndynamic > 0) PH_TRY(dynamic_of(v, &r->dynamic, err));
+    if (v->ncurve > 0 && v->response && wanted && wanted->history)
+        PH_TRY(response_of(v, wanted->history, &r->response, err));
+out:
+    return st;
+}
+
 ph_status ph_relaxation_report_new(const ph_viscoelastic *v,
                                    const ph_case_viscoelastic *wanted,
                                    ph_relaxation_report **out, ph_error *err)
@@ -114,9 +205,15 @@ ph_status ph_relaxation_report_new(const ph_viscoelastic *v,
     ph_status st = PH_OK;
     ph_relaxation_report *r = NULL;
     *out = NULL;
-    PH_CHECK(v && v->series, PH_EINVAL, "route %s gives no series",
-             v && v->route ? v->route : "-");
+    PH_CHECK(v && (v->series || v->ncurve > 0 || v->ndynamic > 0), PH_EINVAL,
+             "route %s gives no series and no curve", v && v->route ? v->route : "-");
     PH_ALLOC(r, 1, "a report of the relaxation");
+    if (!v->series) {
+        PH_TRY(without_series(v, wanted, r, err));
+        *out = r;
+        r = NULL;
+        goto out;
+    }
     if (wanted && (wanted->terms > 0 || wanted->compression > 0))
         PH_TRY(ph_prony_compress(v->series, wanted->terms, wanted->compression,
                                  &r->series, &r->fit_error, err));

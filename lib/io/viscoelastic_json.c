@@ -109,16 +109,15 @@ static ph_status put_block(json_t *map, const ph_viscoelastic *v,
                            const ph_relaxation_report *r, json_t *reasons, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_TRY(put_tensor(map, "instantaneous", &v->instantaneous, err));
-    PH_TRY(put_tensor(map, "stiffness_infinity",
-                      r ? &r->series->equilibrium : &v->equilibrium, err));
-    if (r) {
-        PH_TRY(put_terms(map, r->series, err));
+    const ph_prony *series = r ? r->series : NULL;
+    const ph_sym4 *last = series ? &series->equilibrium : &v->equilibrium;
+    if (v->instantaneous.n)
+        PH_TRY(put_tensor(map, "instantaneous", &v->instantaneous, err));
+    if (last->n) PH_TRY(put_tensor(map, "stiffness_infinity", last, err));
+    if (series) {
+        PH_TRY(put_terms(map, series, err));
         PH_TRY(ph_i_json_put(map, "exact_terms", json_integer(v->series->nterms), err));
         PH_TRY(ph_i_json_put(map, "fit_error", ph_i_json_number(r->fit_error), err));
-        PH_TRY(put_table(map, "curves", r->curves, err));
-        PH_TRY(put_table(map, "dynamic", r->dynamic, err));
-        if (r->response) PH_TRY(put_table(map, "response", r->response, err));
         if (r->constants->why[0])
             PH_TRY(ph_i_json_put(reasons, "effective.viscoelastic.curves",
                                  ph_i_json_text(r->constants->why), err));
@@ -127,6 +126,9 @@ static ph_status put_block(json_t *map, const ph_viscoelastic *v,
         PH_TRY(ph_i_json_put(reasons, "effective.viscoelastic.terms",
                              ph_i_json_text("this route gives no series"), err));
     }
+    if (r && r->curves) PH_TRY(put_table(map, "curves", r->curves, err));
+    if (r && r->dynamic) PH_TRY(put_table(map, "dynamic", r->dynamic, err));
+    if (r && r->response) PH_TRY(put_table(map, "response", r->response, err));
     PH_TRY(put_route(map, v, err));
 out:
     return st;

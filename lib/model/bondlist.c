@@ -264,6 +264,7 @@ static ph_status add_cell(builder *b, const ptrdiff_t at[3], int32_t cell, ph_er
     const ph_operator_params *p = b->params;
     int entry = map->index[cell], corners = 1 << b->dims;
     if (entry == map->materials) return PH_OK; /* outside the body: nothing at all */
+    if (p->cut_only && entry < map->materials) return PH_OK;
     bool empty = map->hooke[entry] == PH_HOOKE_ZERO;
     if (empty && b->list->s == 0.0) return PH_OK;
     double theta = p->stabilisation == PH_STABILISE_SUBPOINT ? p->value : 0.0;
@@ -289,7 +290,7 @@ static double deviation_coefficient(const builder *b)
     const ph_operator_params *p = b->params;
     const ph_family *fam = p->family;
     double mean[3] = {0}, W = 0.0, trace = 0.0;
-    if (p->stabilisation != PH_STABILISE_SPECTRAL || !fam) return 0.0;
+    if (p->stabilisation != PH_STABILISE_SPECTRAL || !fam || p->cut_only) return 0.0;
     bool stress = fam->points == PH_POINTS_STRESS;
     for (int pass = 0; pass < 2; pass++)
         for (ptrdiff_t i = 0; i < fam->count; i++)

@@ -61,13 +61,16 @@ void ph_i_bondlist_load(const ph_bondlist *list, const double *macro, double *f)
 /** f = B^T sigma of a uniform stress [ns] Mandel in the cells with region[x] != 0. */
 void ph_i_bondlist_pull(const ph_bondlist *list, const double *sigma,
                         const uint8_t *region, double *f);
+/** Strain [ns] Mandel at one point; u NULL: of the macro strain alone, macro NULL: none. */
+void ph_i_bondlist_point_strain(const ph_bondlist *list, ptrdiff_t point, const double *u,
+                                const double *macro, double *strain);
+/** f += weight share B^T stress of one point. */
+void ph_i_bondlist_point_force(const ph_bondlist *list, ptrdiff_t point,
+                               const double *stress, double weight, double *f);
 /** Mean strain of the family's points of every cell, [ns][cells] Mandel; zero where a cell
  *  has none. */
 void ph_i_bondlist_strain(const ph_bondlist *list, const double *u, const double *macro,
                           double *strain);
-/** Strain of point `point` of the list, [ns] Mandel. */
-void ph_i_bondlist_point_strain(const ph_bondlist *list, ptrdiff_t point, const double *u,
-                                const double *macro, double *strain);
 /** Sums over the cells with region[x] != 0 (NULL: all), as ph_i_operator_sums; `modes` of
  *  the energy is that of the sub-points. */
 void ph_i_bondlist_sums(const ph_bondlist *list, const double *u, const double *macro,

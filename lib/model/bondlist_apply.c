@@ -83,7 +83,7 @@ static double deviations(const ph_bondlist *l, const ph_bond_point *p, const dou
                          double *f)
 {
     double energy = 0.0;
-    if (!l->deviation || !p->family) return 0.0;
+    if (!l->deviation || !p->family || l->s == 0.0) return 0.0;
     for (int a = 0; a < l->nd; a++)
         energy += deviate(l, p, u + a * l->nodes, f ? f + a * l->nodes : NULL);
     return energy;
@@ -127,6 +127,18 @@ void ph_i_bondlist_pull(const ph_bondlist *l, const double *sigma, const uint8_t
             scatter(l, &l->point[i], sigma, l->point[i].share, f);
 }
 
+void ph_i_bondlist_point_strain(const ph_bondlist *l, ptrdiff_t point, const double *u,
+                                const double *macro, double *strain)
+{
+    strain_at(l, &l->point[point], u, macro, strain);
+}
+
+void ph_i_bondlist_point_force(const ph_bondlist *l, ptrdiff_t point,
+                               const double *stress, double weight, double *f)
+{
+    scatter(l, &l->point[point], stress, weight * l->point[point].share, f);
+}
+
 void ph_i_bondlist_strain(const ph_bondlist *l, const double *u, const double *macro,
                           double *strain)
 {
@@ -145,12 +157,6 @@ void ph_i_bondlist_strain(const ph_bondlist *l, const double *u, const double *m
         for (int k = 0; k < l->ns && n > 0.0; k++)
             strain[k * l->nodes + cell] = sum[k] / n;
     }
-}
-
-void ph_i_bondlist_point_strain(const ph_bondlist *l, ptrdiff_t point, const double *u,
-                                const double *macro, double *strain)
-{
-    strain_at(l, &l->point[point], u, macro, strain);
 }
 
 void ph_i_bondlist_sums(const ph_bondlist *l, const double *u, const double *macro,

@@ -173,7 +173,7 @@ static ptrdiff_t pad_size(const ph_operator *op)
 /* Does a field have to pass through Fourier space to meet this operator? */
 static bool by_spectrum(const ph_operator *op)
 {
-    return op->has_convolution || op->spectral;
+    return op->has_convolution || (op->spectral && op->stabilise != 0.0);
 }
 
 ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
@@ -229,7 +229,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     if (p->stabilisation == PH_STABILISE_SPECTRAL && p->family &&
         !(op->has_cells && p->hourglass_in_space))
         PH_TRY(new_spectral(op, p->value, err));
-    if (by_spectrum(op))
+    if (op->has_convolution || op->spectral)
         PH_DOUBLES(op->hat, meter, 2 * nd * (size_t)op->modes, "a transformed field");
     if (p->broken)
         PH_TRY(ph_i_damaged_new(&op->layout, p->broken, op->s, op->threads, meter,
@@ -320,10 +320,11 @@ static void add_subpoints(ph_operator *op, const double *u, const double *macro,
 
 static void add_diagonal(const ph_operator *op, const double *uhat, double *fhat)
 {
-    if (!op->spectral) return;
+    const double factor = op->stabilise;
+    if (!op->spectral || factor == 0.0) return;
     for (int a = 0; a < op->layout.nd; a++) {
         const double *u = uhat + 2 * a * op->modes, *s = op->spectral;
-        double *f = fhat + 2 * a * op->modes, factor = op->stabilise;
+        double *f = fhat + 2 * a * op->modes;
 #pragma omp parallel for num_threads(op->threads) schedule(static, PH_CHUNK)
         for (ptrdiff_t k = 0; k < op->modes; k++) {
             f[2 * k] += factor * s[k] * u[2 * k];

@@ -28,7 +28,8 @@ typedef struct ph_operator_params {
     bool one_sided;   /* families end at the faces of the RVE, which fills the first */
     ptrdiff_t rve[3]; /* cells of the box; bonds route only */
     const ph_bond_classes *classes; /* model bond: a spring for every bond; else NULL */
-    const ph_broken *broken;        /* bonds that are broken, or NULL: none ever */
+    bool cut_only; /* bond lists: the points of cut cells alone, without stabilisation */
+    const ph_broken *broken; /* bonds that are broken, or NULL: none ever */
     int threads;
 } ph_operator_params;
 

@@ -118,7 +118,7 @@ ph_status ph_i_operator_sums(ph_operator *op, const double *u, const double *mac
                       &energy->modes);
         }
     }
-    if (!op->spectral) return PH_OK;
+    if (!op->spectral || op->stabilise == 0.0) return PH_OK;
     if (op->damaged) energy->stabilisation += ph_i_damaged_energy(op->damaged, u);
     ph_i_operator_forward(op, u, op->hat);
     ptrdiff_t row = ph_i_fft_row(op->fft);

@@ -18,7 +18,7 @@ static ph_hooke classify(const ph_sym4 *c)
     return PH_HOOKE_ISOTROPIC;
 }
 
-static void store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
+void ph_i_stiffness_map_store(ph_stiffness_map *map, int entry, const ph_sym4 *c)
 {
     int n = map->ns;
     double *to = map->c + (ptrdiff_t)entry * n * n;
@@ -70,13 +70,14 @@ out:
 static const double most_of_least = 3.0;
 
 /* Contrast, softest and middle tensor of the phases that are there. */
-static void measure(ph_stiffness_map *map, const ph_sym4 *phase)
+static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *used)
 {
+    map->has_void = false;
     double low_min = INFINITY, low_max = 0.0, high_min = INFINITY, high_max = 0.0;
     double softest = INFINITY, weakest = INFINITY, stiffest = 0.0;
     int soft = -1, stiff = -1;
     for (int p = 0; p < map->materials; p++) {
-        if (!map->used[p]) continue;
+        if (!used[p]) continue;
         if (ph_sym4_norm(&phase[p]) == 0.0) {
             map->has_void = true;
             continue;
@@ -119,6 +120,14 @@ out:
     return st;
 }
 
+ptrdiff_t ph_i_cuts_of_cell(const ph_microstructure *micro, ptrdiff_t i)
+{
+    ptrdiff_t j = i + 1;
+    while (j < micro->ncuts && micro->cuts[j].cell == micro->cuts[i].cell)
+        j++;
+    return j - i;
+}
+
 /* Entry of every RVE cell: its phase, or its mixture. */
 static void index_rve(ph_stiffness_map *map, const ph_microstructure *micro,
                       bool composite, int32_t *entry)
@@ -126,30 +135,46 @@ static void index_rve(ph_stiffness_map *map, const ph_microstructure *micro,
     ptrdiff_t cells = ph_grid_cells(&micro->grid);
     for (ptrdiff_t x = 0; x < cells; x++)
         entry[x] = micro->phase[x];
-    int next = ph_i_first_mixture(map);
-    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++)
-        if (i == 0 || micro->cuts[i].cell != micro->cuts[i - 1].cell)
-            entry[micro->cuts[i].cell] = next++;
+    int next = map->materials + 1;
+    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i += ph_i_cuts_of_cell(micro, i))
+        entry[micro->cuts[i].cell] = next++;
     map->count = next;
+}
+
+/* The materials that cells and cuts have. */
+static void find_used(const ph_microstructure *micro, bool composite,
+                      const ptrdiff_t *source, ptrdiff_t cells, bool *used)
+{
+    ptrdiff_t rve = ph_grid_cells(&micro->grid);
+    for (ptrdiff_t x = 0; x < rve; x++)
+        used[micro->phase[x]] = true;
+    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
+        used[micro->cuts[i].material] = true;
+        if (micro->cuts[i].base >= 0) used[micro->cuts[i].base] = true;
+    }
+    for (ptrdiff_t x = 0; source && x < cells; x++) /* a collar of its own material */
+        if (source[x] <= -2) used[-2 - source[x]] = true;
 }
 
 ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure *micro,
                                  const ph_sym4 *phase, bool mixed, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_sym4 nothing = {.n = map->ns};
+    ph_sym4 nothing = {.n = map->ns};
     int next = ph_i_first_mixture(map);
     for (int p = 0; p < map->materials; p++)
-        store(map, p, &phase[p]);
-    store(map, map->materials, &nothing);
-    for (ptrdiff_t i = 0, j; next < map->count; i = j) {
+        ph_i_stiffness_map_store(map, p, &phase[p]);
+    ph_i_stiffness_map_store(map, map->materials, &nothing);
+    for (ptrdiff_t i = 0, n; next < map->count; i += n, next++) {
         ph_sym4 c = nothing;
-        for (j = i + 1; j < micro->ncuts && micro->cuts[j].cell == micro->cuts[i].cell;)
-            j++;
-        if (mixed) PH_TRY(mix(&micro->cuts[i], j - i, phase, &c, err));
-        store(map, next++, &c);
+        n = ph_i_cuts_of_cell(micro, i);
+        if (mixed) PH_TRY(mix(&micro->cuts[i], n, phase, &c, err));
+        ph_i_stiffness_map_store(map, next, &c);
     }
-    if (mixed) measure(map, phase);
+    if (!mixed) goto out;
+    double softest = map->softest;
+    measure(map, phase, map->used);
+    if (softest > 0.0) map->softest = softest;
 out:
     return st;
 }
@@ -176,14 +201,7 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
     for (int p = 0; p < micro->nmaterials; p++)
         PH_TRY(ph_sym4_reduce(&micro->materials[p].stiffness, micro->grid.kinematics,
                               &phase[p], err));
-    for (ptrdiff_t x = 0; x < rve; x++)
-        map->used[micro->phase[x]] = true;
-    for (ptrdiff_t i = 0; composite && i < micro->ncuts; i++) {
-        map->used[micro->cuts[i].material] = true;
-        if (micro->cuts[i].base >= 0) map->used[micro->cuts[i].base] = true;
-    }
-    for (ptrdiff_t x = 0; source && x < cells; x++) /* a collar of its own material */
-        if (source[x] <= -2) map->used[-2 - source[x]] = true;
+    find_used(micro, composite, source, cells, map->used);
     index_rve(map, micro, composite, entry);
     PH_TRY(ph_i_stiffness_map_set(map, micro, phase, true, err));
     for (ptrdiff_t x = 0; x < cells; x++) {

@@ -18,7 +18,7 @@ typedef struct ph_stiffness_map {
     double *c;       /* [count][ns*ns] Mandel */
     ph_hooke *hooke; /* [count] */
     int32_t *index;  /* [cells] into c */
-    bool *used;      /* [materials] is it in the box? */
+    bool *used;      /* [materials] is it anywhere? */
     bool has_void;
     double contrast; /* of the phases; 1: homogeneous; voids not counted */
     double
@@ -36,19 +36,24 @@ enum { PH_SOURCE_VOID = -1 }; /* other negatives: -2 - material */
 ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
                                  const ptrdiff_t *source, ptrdiff_t cells,
                                  ph_meter *meter, ph_stiffness_map **out, ph_error *err);
-void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
-
-/** Other tensors for the same cells.
+/** Other tensors for the same cells. What was made of the map (a preconditioner, a factor)
+ *  does not follow, and `softest`, of which the stabilisation is made, stays.
  *  @param[in] phase [materials], n = ns
- *  @param[in] mixed true: cut cells are mixed anew, and contrast, softest and middle are
- *             measured again; false: cut cells hold nothing, nothing is measured
+ *  @param[in] mixed true: cut cells are mixed anew, and contrast and middle are measured
+ *             again; false: cut cells hold nothing, nothing is measured
  *  @return PH_OK; PH_ESINGULAR where a cut cell cannot be mixed */
 ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure *micro,
                                  const ph_sym4 *phase, bool mixed, ph_error *err);
+/** One tensor of the table, with its kind. */
+void ph_i_stiffness_map_store(ph_stiffness_map *map, int entry, const ph_sym4 *c);
+void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
 
-/** The fraction that cut `c` gets over a cell of which the share `solid` is not void;
- *  updates it. @param[in] hole the cut brings a void */
-double ph_i_cut_fraction(const ph_cut *c, bool hole, double *solid);
+/** Number of cuts of the cell whose first cut is `i`. Cut cells have the entries after
+ *  `materials`, in the order of the cuts. */
+ptrdiff_t ph_i_cuts_of_cell(const ph_microstructure *micro, ptrdiff_t i);
+/** The fraction that a cut gets over a cell of which the share `solid` is not void; updates
+ *  it. A cell keeps a least share of solid. @param[in] hole the cut brings in a void */
+double ph_i_cut_fraction(const ph_cut *cut, bool hole, double *solid);
 
 /** First entry of a cut cell: entry - this is its number in painting order of cells. */
 static inline int ph_i_first_mixture(const ph_stiffness_map *map)

@@ -24,7 +24,9 @@ extern "C" {
 PH_API ph_status ph_result_to_json(const ph_result *result, const ph_case *c,
                                    const char *command, char **json, ph_error *err);
 
-/** What is asked of an effective relaxation, evaluated. Owns its parts. */
+/** What is asked of an effective relaxation, evaluated. Owns its parts. Of a route without
+ *  series (stepping, frequency) it has what that computed, components only; series,
+ *  constants and terms are then NULL, and so is what was not computed. */
 typedef struct ph_relaxation_report {
     ph_prony *series; /* compressed where the case asks for it, else as computed */
     double fit_error; /* of the compression, see ph_prony_compress; 0: none */
@@ -34,8 +36,8 @@ typedef struct ph_relaxation_report {
     ph_table *terms;    /* "time", C11 ... */
     ph_table *response; /* "time", strain_11 ..., stress_11 ...; NULL without a history */
 } ph_relaxation_report;
-/** @param[in] v with a series; `wanted` the case's, or NULL: automatic.
- *  @return PH_OK; PH_EINVAL (no series); PH_ESINGULAR (history of stress, no compliance);
+/** @param[in] v with a series or curves; `wanted` the case's, or NULL: automatic.
+ *  @return PH_OK; PH_EINVAL (neither); PH_ESINGULAR (history of stress, no compliance);
  *  PH_ENOMEM. Tested: tests/io/test_relaxation_report.c */
 PH_API ph_status ph_relaxation_report_new(const ph_viscoelastic *v,
                                           const ph_case_viscoelastic *wanted,

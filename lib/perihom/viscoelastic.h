@@ -3,6 +3,7 @@
 #define PERIHOM_VISCOELASTIC_H
 
 #include <perihom/catalogue.h>
+#include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/prony.h>
 
@@ -18,6 +19,15 @@ typedef struct ph_relaxation_params {
     const double *carson; /* [ncarson] 1/time, >= 0, INFINITY: instantaneous; `carson`
                            * solves each of them, `reduced` evaluates its model there */
     int ncarson;
+    const double *times; /* [ntimes] not decreasing, >= 0: of the curve and the response;
+                          * `stepping` steps to them */
+    int ntimes;
+    const double *omega; /* [nomega] angular frequencies > 0 of the complex modulus, which
+                          * `frequency` solves */
+    int nomega;
+    const ph_history
+        *history; /* of macro strain or stress; NULL: none. `stepping` follows
+                                * it, the others take the response of their series */
 } ph_relaxation_params;
 
 /** One value of the Carson variable that was solved. */
@@ -34,13 +44,26 @@ typedef struct ph_carson_value {
     ph_sym4 stiffness; /* Mandel, C*(s) = s L[C*](s) */
 } ph_carson_value;
 
+/** Effective relaxation tensor at one time. */
+typedef struct ph_time_value {
+    double time;
+    ph_sym4 stiffness; /* Mandel, C*(t) */
+} ph_time_value;
+
+/** Effective complex modulus C' + i C'' at one angular frequency. */
+typedef struct ph_dynamic_value {
+    double omega;
+    ph_sym4 storage, loss; /* Mandel; positive semidefinite */
+} ph_dynamic_value;
+
 /** Effective relaxation and what it cost. Owns its parts. */
 typedef struct ph_viscoelastic {
     const char *route; /* catalogue name */
     /* C*(t), exact poles of the reduced model; NULL where the route gives none. Its sum at
      * t = 0 is `instantaneous`. */
     ph_prony *series;
-    ph_sym4 instantaneous, equilibrium; /* n = 3 or 6, Mandel */
+    ph_sym4 instantaneous,
+        equilibrium; /* n = 3 or 6, Mandel; 0: the route does not say */
     int lost;        /* directions of macro strain that carry no stress at equilibrium */
     double error;    /* estimated relative error of C*(s), any s > 0: the largest
                    * x.(C_model - C).x / x.C_model.x */
@@ -50,11 +73,18 @@ typedef struct ph_viscoelastic {
     ph_carson_point *points; /* [npoints] in the order in which they were solved */
     int nvalues;
     ph_carson_value *values; /* [nvalues] at params->carson */
+    int ncurve;
+    ph_time_value *curve;  /* [ncurve] at params->times; `frequency`, `carson`: none */
+    double (*response)[6]; /* [ncurve] to params->history, Voigt; or NULL */
+    int ndynamic;
+    ph_dynamic_value
+        *dynamic; /* [ndynamic] at params->omega; `stepping`, `carson`: none */
 
     int basis;          /* fields */
     size_t basis_bytes; /* of the fields and what is kept with them */
     long iterations;    /* of the solver, all loads and points */
     long applications;  /* of the operator, everything counted */
+    long steps;         /* of `stepping`, all loads */
     int functions;      /* distinct moduli of s that the phases have */
     double seconds;
     ph_result *elastic; /* the instantaneous problem, and every note */

@@ -119,35 +119,65 @@ out:
     return st;
 }
 
-ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
-                            ph_cg_report *report, ph_error *err)
+void ph_i_fft_cg_parts(void *state, ph_linear *system, double *vector[4])
+{
+    fft_cg *s = state;
+    *system = (ph_linear){&s->space, s, s->fixed ? apply_masked : apply_hat,
+                          s->fixed ? precondition_masked : precondition_hat};
+    double *const own[4] = {s->x, s->r, s->p, s->q};
+    memcpy(vector, own, sizeof own);
+}
+
+void ph_i_fft_cg_enter(void *state, const double *load, double *r)
 {
     fft_cg *s = state;
     const ph_layout *l = &s->op->layout;
-    ph_linear system = {&s->space, s, apply_hat, precondition_hat};
     if (s->fixed) {
-        system.apply = apply_masked;
-        system.precondition = precondition_masked;
-        memcpy(s->r, load, sizeof(double) * (size_t)(l->nd * l->cells));
-        mask(s, s->r);
-        if (report->guessed) memcpy(s->x, u, sizeof(double) * (size_t)(l->nd * l->cells));
-    } else {
-        ph_i_operator_forward(s->op, load, s->r);
-        for (int a = 0; a < l->nd; a++) /* the mean force is round-off */
-            s->r[2 * a * s->op->modes] = s->r[2 * a * s->op->modes + 1] = 0.0;
-        if (report->guessed) ph_i_operator_forward(s->op, u, s->x);
+        memcpy(r, load, sizeof(double) * (size_t)(l->nd * l->cells));
+        mask(s, r);
+        return;
     }
+    ph_i_operator_forward(s->op, load, r);
+    for (int a = 0; a < l->nd; a++) /* the mean force is round-off */
+        r[2 * a * s->op->modes] = r[2 * a * s->op->modes + 1] = 0.0;
+}
+
+static void enter_guess(fft_cg *s, const double *u, double *x)
+{
+    const ph_layout *l = &s->op->layout;
+    if (s->fixed)
+        memcpy(x, u, sizeof(double) * (size_t)(l->nd * l->cells));
+    else
+        ph_i_operator_forward(s->op, u, x);
+}
+
+void ph_i_fft_cg_leave(void *state, const double *x, double *work, double *u)
+{
+    fft_cg *s = state;
+    const ph_layout *l = &s->op->layout;
+    if (s->fixed)
+        memcpy(u, x, sizeof(double) * (size_t)(l->nd * l->cells));
+    else
+        ph_i_operator_backward(s->op, x, work, u);
+}
+
+ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
+                            ph_cg_report *report, ph_error *err)
+{
+    ph_linear system;
+    double *v[4];
+    ph_i_fft_cg_parts(state, &system, v);
+    ph_i_fft_cg_enter(state, load, v[1]);
+    if (report->guessed) enter_guess(state, u, v[0]);
     /* Products of unnormalised transforms are so many times those of the fields. */
-    double scale = s->fixed ? 1.0 : (double)l->cells;
+    const fft_cg *s = state;
+    double scale = s->fixed ? 1.0 : (double)s->op->layout.cells;
     report->energy_most *= scale;
-    ph_status st = ph_i_cg(&system, s->x, s->r, s->p, s->q, report, err);
+    ph_status st = ph_i_cg(&system, v[0], v[1], v[2], v[3], report, err);
     report->energy_most /= scale;
     report->energy /= scale;
     report->energy_left /= scale;
-    if (s->fixed)
-        memcpy(u, s->x, sizeof(double) * (size_t)(l->nd * l->cells));
-    else
-        ph_i_operator_backward(s->op, s->x, s->q, u);
+    ph_i_fft_cg_leave(state, v[0], v[3], u);
     return st;
 }
 

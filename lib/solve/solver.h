@@ -45,6 +45,13 @@ PH_SOLVER_FUNCTIONS(fft_cg);
 PH_SOLVER_FUNCTIONS(direct);
 PH_SOLVER_FUNCTIONS(relaxation);
 
+/** What fft_cg works with, for other iterations on the same system: the system, whose vectors
+ *  are half spectra or, where nodes are held, fields; and its vectors x, r, p, q. */
+void ph_i_fft_cg_parts(void *state, ph_linear *system, double *vector[4]);
+/** A load as a vector of the system, and the field of a vector (`work` as large, or x). */
+void ph_i_fft_cg_enter(void *state, const double *load, double *r);
+void ph_i_fft_cg_leave(void *state, const double *x, double *work, double *u);
+
 /** The solver called `name`, or the one that `auto` (NULL) takes, with the reason in
  *  `why` [256]. NULL for an unknown name. */
 const ph_solver_method *ph_i_solver_find(const char *name, const ph_system *system,

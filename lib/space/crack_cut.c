@@ -61,9 +61,8 @@ static void extend(piece *p, const double *x)
 
 static piece new_piece(const ph_crack *k)
 {
-    return (piece){.crack = k,
-                   .low = {INFINITY, INFINITY, INFINITY},
-                   .high = {-INFINITY, -INFINITY, -INFINITY}};
+    const double far = (double)INFINITY;
+    return (piece){.crack = k, .low = {far, far, far}, .high = {-far, -far, -far}};
 }
 
 static piece line_piece(const ph_crack *k, const double *a, const double *b)

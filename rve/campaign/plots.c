@@ -255,7 +255,7 @@ static ph_status draw_histogram(const ph_campaign *c, int output, const double *
                                 const char *path, ph_error *err)
 {
     ph_status st = PH_OK;
-    double lo = INFINITY, hi = -INFINITY, x[BINS], y[BINS] = {0}, t[CURVE], g[CURVE];
+    double lo = value[0], hi = value[0], x[BINS], y[BINS] = {0}, t[CURVE], g[CURVE];
     char label[160];
     int bins = bins_of(n);
     for (ptrdiff_t i = 0; i < n; i++) {

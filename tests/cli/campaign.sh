@@ -126,6 +126,18 @@ check "they are not tried again" same failing failing2
 check "--retry-failed tries the $failed again" test "$(wc -l <failing/costs.csv)" -eq $((41 + failed))
 check "... with the same end" same failing failing2
 
+# Wrong usage.
+for wrong in '--shard 5/4' '--shard 0/4' '--shard 1' '--shard 1/4x' '--memory 8X' '--memory -1' \
+    '--merge --rebuild' '--shard 1/2 --merge' '-j 0' 'other.yaml'; do
+    # shellcheck disable=SC2086
+    "$perihom" campaign sweep.yaml -o wrong $wrong >/dev/null 2>&1
+    check "$wrong: exit code 2" test $? -eq 2
+done
+check "... and no folder" test ! -e wrong
+"$perihom" campaign sweep.yaml -o nothing --merge -q 2>err
+check "nothing to merge: exit code 5" test $? -eq 5
+check "... and it says so" grep -q 'there is no nothing/shard-' err
+
 # A worker that is killed: its realisation is computed again.
 sed 's/realisations:.*/realisations: 12/' sweep.yaml >slow.yaml
 slow="campaign slow.yaml --set microstructure.nodes=[160,160] -j 1"

@@ -56,6 +56,7 @@ $ perihom check small.yaml --set model.kin=local
 ? 3
 
 $ ls
+> cracked.yaml
 > long.yaml
 > relaxing.yaml
 > resolved.yaml

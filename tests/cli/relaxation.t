@@ -74,3 +74,18 @@ $ perihom run relaxing.yaml --set viscoelastic.route=carson --json -q -o carson 
 > 0.1
 > phases.png
 > result.json
+
+# Routes without a series write what they computed.
+$ perihom run relaxing.yaml --set viscoelastic.route=stepping --set 'viscoelastic.times=[1,2]' -q -o step > out; ls step; head -1 step/relaxation.csv; grep -c '^ *[12] ' out
+> phases.png
+> relaxation.csv
+> relaxation.svg
+> response.csv
+> response.svg
+> result.json
+> time,C11,C12,C16,C22,C26,C66
+> 2
+
+$ perihom run relaxing.yaml --set viscoelastic.route=frequency --set 'viscoelastic.frequencies=[1]' --json -q -o freq > out; json_get solver.converged < out; head -1 freq/dynamic.csv
+> true
+> omega,C11_storage,C11_loss,C12_storage,C12_loss,C16_storage,C16_loss,C22_storage,C22_loss,C26_storage,C26_loss,C66_storage,C66_loss

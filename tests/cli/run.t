@@ -127,3 +127,28 @@ $ perihom run small.yaml -q -o both --set microstructure.nodes=[192,192] >/dev/n
 > 1
 > phases.png
 > result.json
+
+# Cracks: a row a step, here and in the folder; cut through is no failure.
+$ perihom run cracked.yaml -q > cracked; grep -c 'the stiffness has no inverse' cracked; sed -n '/^damage/,/^ *1 /p' cracked | cut -c 1-38,50-61
+> 1
+> damage
+>   crack length \[m]   density   E1/E1(0) anisotropy
+>                  0         0    1.00000 *
+>                0.5    0.0625    0.99*
+>                  1      0.25    1.00000        inf
+
+$ ls -A cracked-results
+> damage.csv
+> damage.png
+> phases.png
+> result.json
+
+$ json_get effective.damage.steps.1.broken_bonds < cracked-results/result.json
+> 88
+
+$ json_get effective.damage.steps.2.anisotropy_index < cracked-results/result.json
+> null
+
+$ perihom view cracked-results
+> cracked-results/damage-moduli.png
+> cracked-results/damage-anisotropy.png

@@ -74,6 +74,7 @@ $ perihom list modls
 
 # Nothing above may leave anything behind.
 $ ls
+> cracked.yaml
 > long.yaml
 > relaxing.yaml
 > small.yaml

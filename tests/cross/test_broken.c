@@ -3,6 +3,9 @@
  * lists made from the definition; bonds that break while the operator lives. */
 #include "check.h"
 #include "random_cases.h"
+#include "solve/solver.h"
+
+#include <string.h>
 
 /* Sums of a few hundred products, in another order or by transforms, times the condition of
  * the shape tensors of damaged families, up to a few hundred at these horizons: 1e-16 x 1e2 x
@@ -144,6 +147,87 @@ static void nodes_stabilised(void **state)
     nodes_of_route(PH_ROUTE_CONVOLUTION, 0.1);
 }
 
+/* The same bits on one thread and on three. */
+static void threads(void **state)
+{
+    (void)state;
+    uint64_t seed = check_seed();
+    ph_error err = PH_ERROR_INIT;
+    for (int i = 0; i < SHAPES; i++) {
+        random_case c = case_of(i, 0.1, &seed);
+        ptrdiff_t n = displacements(&c);
+        ph_broken *broken = NULL;
+        double *u = random_field(&seed, n), *f[2] = {NULL, NULL};
+        CHECK_OK(ph_i_broken_new(&c.micro->grid, c.family, NULL, &broken, &err));
+        break_some(broken, 0.2, &seed);
+        c.params.broken = broken;
+        c.params.route = i % 2 ? PH_ROUTE_STENCIL : PH_ROUTE_CONVOLUTION;
+        for (int k = 0; k < 2; k++) {
+            ph_operator *op = NULL;
+            c.params.threads = k ? 3 : 1;
+            f[k] = random_field(&seed, n);
+            CHECK_OK(
+                ph_i_operator_new(&c.micro->grid, c.map, &c.params, NULL, &op, &err));
+            if (op) CHECK_OK(ph_i_operator_in_space(op, &err));
+            if (op) ph_i_operator_apply(op, u, f[k]);
+            ph_i_operator_free(&op);
+        }
+        CHECK(memcmp(f[0], f[1], sizeof(double) * (size_t)n) == 0);
+        free(u), free(f[0]), free(f[1]);
+        ph_i_broken_free(&broken);
+        free_case(&c);
+    }
+    CHECK_END();
+}
+
+/* Half of all bonds gone at random: the periodic problem is still solved, by both solvers. */
+static void half_broken(void **state)
+{
+    (void)state;
+    uint64_t seed = check_seed();
+    ph_error err = PH_ERROR_INIT;
+    ptrdiff_t n[3] = {16, 16, 1};
+    double energy[2] = {0}, unit[3] = {0, 1, 0};
+    random_case c = new_case(&seed, PH_PLANE_STRESS, n, false, PH_POINTS_NODES, 2.0,
+                             influence_at(0), PH_STABILISE_SPECTRAL, 0.1);
+    ph_broken *broken = NULL;
+    ph_operator *op = NULL;
+    ph_setting setting = {.box = c.micro->grid, .averaged = 256};
+    CHECK_OK(ph_i_broken_new(&c.micro->grid, c.family, NULL, &broken, &err));
+    for (ptrdiff_t x = 0; x < 256; x++)
+        for (ptrdiff_t b = 0; b < c.family->count / 2; b++) /* each pair once */
+            if (check_random(&seed) < 0.5) CHECK_OK(ph_i_break(broken, x, b, &err));
+    CHECK_OK(ph_i_broken_settle(broken, &err));
+    CHECK_REL((double)broken->pairs, 256 * 10 * 0.5, 0.1);
+    c.params.broken = broken;
+    CHECK_OK(ph_i_operator_new(&c.micro->grid, c.map, &c.params, &c.meter, &op, &err));
+    for (int k = 0; op && k < 2; k++) {
+        char why[256];
+        void *state_of = NULL;
+        ph_system system = {
+            .op = op, .setting = &setting, .params = &c.params, .meter = &c.meter};
+        const ph_solver_method *solver =
+            ph_i_solver_find(k ? "direct" : "fft_cg", &system, why);
+        ph_cg_report report = {.tolerance = 1e-9, .max_iterations = 2000};
+        CHECK_OK(solver->init(&system, &state_of, &err));
+        ph_i_operator_load(op, unit, op->f);
+        CHECK_OK(solver->solve(state_of, op->f, op->u, &report, &err));
+        double *u = random_field(&seed, 512), *f = random_field(&seed, 512);
+        memcpy(u, op->u, sizeof(double) * 512);
+        ph_i_operator_load(op, unit, f);
+        for (int i = 0; i < 512; i++)
+            energy[k] += u[i] * f[i];
+        free(u), free(f);
+        solver->free(&state_of);
+    }
+    CHECK(energy[0] > 0.0);
+    CHECK_REL(energy[1], energy[0], 1e-7); /* of second order in what is left */
+    ph_i_operator_free(&op);
+    ph_i_broken_free(&broken);
+    free_case(&c);
+    CHECK_END();
+}
+
 /* A rigid fragment: moving it costs nothing, nor does a linear field; no forces. */
 static void fragment(void **state)
 {
@@ -195,9 +279,9 @@ static void fragment(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nodes),
-        cmocka_unit_test(nodes_stabilised),
-        cmocka_unit_test(fragment),
+        cmocka_unit_test(nodes),       cmocka_unit_test(nodes_stabilised),
+        cmocka_unit_test(fragment),    cmocka_unit_test(threads),
+        cmocka_unit_test(half_broken),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -118,6 +118,40 @@ static void every_allocation_fails(void **state)
     CHECK_END();
 }
 
+/* Cracks that grow: bits that are found room for, damaged nodes that are updated, lists and
+ * factors that are made anew. */
+static void cracks(void **state)
+{
+    (void)state;
+    static const char *const solvers[] = {"fft_cg", "direct", "fft_cg", "direct"};
+    static const double lengths[] = {0.3, 0.6};
+    for (int i = 0; i < 4; i++) {
+        ph_error err = PH_ERROR_INIT;
+        uint64_t seed = 1;
+        ptrdiff_t n[3] = {8, 8, 1};
+        bool grows = true;
+        ph_cracks c = {0};
+        ph_microstructure *micro = random_micro(&seed, PH_PLANE_STRESS, n, false);
+        const double *h = micro->grid.h;
+        double v[2][3] = {{2 * h[0], 3 * h[1], 0}, {5 * h[0], 4 * h[1], 0}};
+        ph_crack_sequence q = {
+            .kind = PH_SEQUENCE_GROWTH, .nsteps = 2, .value = lengths, .grows = &grows};
+        CHECK_OK(ph_cracks_add_line(&c, 2, (const double(*)[3])v, &err));
+        world w = {.problem = {.micro = micro,
+                               .model = {.horizon = 1.5},
+                               .constraint = {.kind = i == 3 ? "uniform_traction" : NULL},
+                               .solver = {.kind = solvers[i], .tolerance = 0.3},
+                               .cracks = &c,
+                               .sequence = &q}};
+        CHECK_OK(call(&w, &err));
+        ph_result_free(&w.result);
+        if (check_failures == 0) countdown_run("cracks", call, untouched, done, &w);
+        ph_microstructure_free(&micro);
+        ph_cracks_free(&c);
+    }
+    CHECK_END();
+}
+
 /* More materials than the fractions have room for without memory of their own. */
 static void many_materials(void **state)
 {
@@ -146,6 +180,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_allocation_fails),
+        cmocka_unit_test(cracks),
         cmocka_unit_test(many_materials),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

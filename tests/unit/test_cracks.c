@@ -157,7 +157,8 @@ static void closed(void **state)
                 ptrdiff_t ends[2] = {x, ph_i_broken_end(br, x, k)};
                 bool in[2], edge = false;
                 for (int e = 0; e < 2; e++) {
-                    double p = (double)(ends[e] / 16) + 0.5 - x0;
+                    ptrdiff_t row = ends[e] / 16;
+                    double p = (double)row + 0.5 - x0;
                     double q = (double)(ends[e] % 16) + 0.5 - y0;
                     p -= 16 * floor(p / 16), q -= 16 * floor(q / 16);
                     in[e] = p < a && q < b;
@@ -206,9 +207,9 @@ static void planes(void **state)
     CHECK(br->pairs > 0);
     for (ptrdiff_t k = 0; k < br->damaged; k++) { /* all near the disk */
         ptrdiff_t x = br->node[k];
-        double p[3] = {((double)(x / 64) + 0.5) / 8 - 0.5,
-                       ((double)(x / 8 % 8) + 0.5) / 8 - 0.5,
-                       ((double)(x % 8) + 0.5) / 8};
+        ptrdiff_t i = x / 64, j = x / 8 % 8, l = x % 8;
+        double p[3] = {((double)i + 0.5) / 8 - 0.5, ((double)j + 0.5) / 8 - 0.5,
+                       ((double)l + 0.5) / 8};
         CHECK(hypot(p[0], p[1]) < 0.24 + 1.5 / 8);
         CHECK(fmin(p[2], 1 - p[2]) < 2.0 / 8);
     }
