@@ -123,7 +123,7 @@ out:
 
 void ph_sym4_eigenvalues(const ph_sym4 *c, double *smallest, double *largest)
 {
-    if (!c || !smallest || !largest) return;
+    if (!c) return;
     const int n = c->n;
     double a[6][6] = {{0}};
     for (int i = 0; i < n; i++)
