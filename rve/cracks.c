@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-enum { MOST_CRACKS = 10000000 };
+enum { MOST_CRACKS = 1000000 };
 
 /* Random numbers of cracks stand apart from those of fillers, whose kinds are below 2^15. */
 #define OBJECT_CRACK(entry) ((UINT64_C(1) << 60) | (uint64_t)(entry) << 40)

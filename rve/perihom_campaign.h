@@ -5,6 +5,8 @@
 
 #include <perihom_rve.h>
 
+#include <perihom_estimators.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -102,6 +104,7 @@ typedef struct ph_campaign_point {
     char **value;   /* [nkeys] YAML text */
     double *number; /* [nkeys] the value where it is a number, else NaN */
     ph_case *c;
+    ph_case *model[PH_MAX_MODELS]; /* cheaper models of c, from 1 on */
 } ph_campaign_point;
 
 /** Measurements to draw beside the means. */
@@ -124,6 +127,15 @@ typedef struct ph_campaign {
     ph_stopping stopping;
     int judged; /* the output of the stopping rule, or -1 */
     bool common_random_numbers;
+    /* Variance reduction: cheaper models of each point, with the same realisations. */
+    ph_quantity
+        *cheap;        /* [noutputs] what the cheaper models have in place of the outputs:
+                         * stretch.E1, one load, for E1, three */
+    int nmodels;       /* the case and its cheaper models; 1: none */
+    int fillers_model; /* the model that is read off the fillers (ph_rve_describe), or -1 */
+    const char *method;                  /* in ph_estimators[], or NULL: auto */
+    int64_t pilot;                       /* 0: default */
+    char model_name[PH_MAX_MODELS][256]; /* what each differs in */
     ph_campaign_data data;
     uint64_t hash; /* of everything that makes a realisation what it is: the resolved case
                     * of every point, its voxel file, the outputs; not of the stopping rule */
@@ -188,13 +200,15 @@ typedef struct ph_campaign_summary {
     bool complete;            /* the stopping rule has all that it wants */
     bool reached;             /* the half width asked for is reached, or none was */
     ph_campaign_mean *output; /* [noutputs] */
+    const ph_estimation *estimation; /* of the judged (or first) output, or NULL */
 } ph_campaign_summary;
 
 /** What a campaign knows so far. */
 typedef struct ph_campaign_result {
     int npoints, noutputs;
     ph_campaign_summary *point;
-    ph_campaign_mean *all; /* [npoints][noutputs], held for the points */
+    ph_campaign_mean *all;     /* [npoints][noutputs], held for the points */
+    ph_estimation *estimation; /* [npoints] with variance reduction, else NULL */
     int64_t realisations, failed;
     int64_t dropped;   /* damaged lines that were found and computed again */
     int64_t differing; /* realisations that came with two results */

@@ -101,7 +101,7 @@ typedef struct ph_estimation {
  *  calling this with what there is. `cost` must not change between calls.
  *  @param[in]  models [nmodels], each cheaper than the one before
  *  @return PH_OK; PH_EINVAL (models, costs, rule); PH_ESINGULAR (fewer than two pilots that
- *          did not fail); PH_ENOMEM. Cost: O(stages x realisations x controls^2).
+ *          did not fail). Cost: O(stages x realisations x controls^2).
  *  Tested: tests/unit/test_estimators.c, tests/laws/test_unbiased.c */
 PH_API ph_status ph_estimation_next(const ph_estimation_rule *rule, int nmodels,
                                     const ph_model_samples *models, ph_estimation *out,

@@ -92,7 +92,7 @@ typedef struct ph_crack_plan {
 PH_API void ph_crack_plan_free(ph_crack_plan **plan);
 /** Cracks that a case names and draws: a pure function of the case, its seed and its
  *  realisation. Centres of random cracks are uniform in the box; they may cross.
- *  @return PH_OK; PH_EUNPHYSICAL (a density that takes more than 1e7 cracks); PH_ENOMEM.
+ *  @return PH_OK; PH_EUNPHYSICAL (a density that takes more than 1e6 cracks); PH_ENOMEM.
  *  Tested: tests/unit/test_cracks.c */
 PH_API ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err);
 
@@ -166,6 +166,22 @@ PH_API ph_status ph_rve_paint(const ph_case *c, const ph_packing *packing,
  *  none. micro->owner is set where it has some. */
 PH_API ph_status ph_rve_generate(const ph_case *c, ph_microstructure **micro,
                                  ph_packing **packing, ph_error *err);
+enum { PH_RVE_DESCRIPTORS = 16 };
+/** Numbers that say how a realisation differs from others, without a solution: for every
+ *  kind of filler with contents v_i (shares of the box), lengths L_i (over the box) and
+ *  directions n (of the length; of the normal of 3D platelets), averaged along the filler,
+ *
+ *      sum v_i, share of the cells painted, sum v_i L_i, sum v_i L_i <n_a^2>, sum v_i L_i <n_a^4>
+ *
+ *  a = 1 in 2D; 1, 2 and 1, 2, 3 in 3D; no directions of particles without aspect ratio. In
+ *  the dilute limit the stiffness is linear in such sums. At most 16, the rest is left out.
+ *  @param[out] out [PH_RVE_DESCRIPTORS], zeros behind the last
+ *  @return PH_OK; PH_EINVAL. Tested: tests/unit/test_descriptors.c */
+PH_API ph_status ph_rve_describe(const ph_case *c, const ph_packing *packing,
+                                 const ph_microstructure *micro, double *out,
+                                 ph_error *err);
+/** How many numbers that are. */
+PH_API int ph_rve_descriptor_count(const ph_case *c);
 /** Distance of two solids, the second moved by `shift`; 2D: in the plane.
  *  @param[in] enough stop as soon as it is known to be at least this
  *  @return a lower bound of the distance that is >= enough where the distance is (up to

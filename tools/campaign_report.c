@@ -72,6 +72,20 @@ static void put_head(FILE *to, const ph_campaign *c)
     fprintf(to, "%s\n", c->judged >= 0 ? "reached" : "");
 }
 
+/* How many realisations of which model a point took, and what was saved. */
+static void put_estimation(FILE *to, const ph_campaign *c, const ph_estimation *e)
+{
+    const ph_mean_estimate *m = &e->estimate;
+    if (!e->reason[0]) return; /* still at the pilots */
+    fprintf(to, "  %s\n", e->reason);
+    for (int l = 0; l < m->nlevels; l++)
+        fprintf(to, "  %7td x %s\n", m->level[l].n,
+                m->level[l].model ? c->model_name[m->level[l].model] : "the case");
+    if (m->cost > 0 && e->method > 0)
+        fprintf(to, "  %.3g times less work than plain realisations for this error\n",
+                m->plain_cost / m->cost);
+}
+
 void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r)
 {
     put_head(to, c);
@@ -92,6 +106,7 @@ void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r)
                 : s->reached  ? "yes"
                               : "no",
                 s->complete ? "" : " (incomplete)");
+        if (s->estimation) put_estimation(to, c, s->estimation);
     }
     fprintf(to, "+-: half width of the %g %% interval of the mean\n",
             100 * c->stopping.confidence);

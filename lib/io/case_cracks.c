@@ -164,7 +164,7 @@ static void read_random_amount(ph_i_reader *r, const ph_i_node *map, ph_crack_en
         ph_i_missing(r, map, "density", "give density or count");
     else if (density)
         ph_i_read_number(r, density, -1e-300, nextafter(10, 11), rule, &k->density);
-    else if (ph_i_read_integer(r, count, 0, 10000000, "must be an integer from 0 to 1e7",
+    else if (ph_i_read_integer(r, count, 0, 1000000, "must be an integer from 0 to 1e6",
                                &n))
         k->count = (ptrdiff_t)n;
 }

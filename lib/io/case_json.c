@@ -104,7 +104,8 @@ static json_t *microstructure_to_json(const ph_case *c, bool *good)
 {
     static const char *const plane[] = {"", "generalised_strain", "strain", "stress"};
     int dimension = c->kinematics == PH_SPACE ? 3 : 2;
-    json_t *map = json_object(), *nodes = json_array(), *inclusions = json_array();
+    json_t *map = json_object(), *nodes = json_array(), *inclusions = json_array(),
+           *drawn = json_array();
     put(map, "dimension", json_integer(dimension), good);
     if (dimension == 2) put(map, "plane", json_string(plane[c->kinematics]), good);
     put(map, "size", numbers(c->size, dimension, good), good);
@@ -120,6 +121,10 @@ static json_t *microstructure_to_json(const ph_case *c, bool *good)
         put(map, "inclusions", json_incref(inclusions), good);
         if (c->nfillers > 0) put(map, "fillers", ph_i_fillers_to_json(c, good), good);
     }
+    for (int a = 0; a < dimension; a++)
+        push(drawn, json_integer(c->drawn_on[a]), good);
+    if (c->drawn_on[0] > 0) put(map, "drawn_on", json_incref(drawn), good);
+    json_decref(drawn);
     json_decref(nodes);
     json_decref(inclusions);
     put(map, "interface", json_string(ph_i_interface_names.name[c->interface]), good);

@@ -5,8 +5,8 @@
 #include <string.h>
 
 static const char *const microstructure_keys[] = {
-    "dimension", "plane",     "size", "nodes",   "matrix",     "inclusions",
-    "voxels",    "interface", "seed", "fillers", "realisation"};
+    "dimension", "plane",     "size", "nodes",   "matrix",      "inclusions",
+    "voxels",    "interface", "seed", "fillers", "realisation", "drawn_on"};
 static const char *const voxel_keys[] = {"file", "dataset", "materials", "type",
                                          "owners"};
 static const char *const voxel_endings[] = {".h5", ".npy", ".png", ".raw"};
@@ -38,26 +38,39 @@ static void read_size(ph_i_reader *r, const ph_i_node *map)
     if (r->dimension == 2) r->c->size[2] = 1;
 }
 
+/* An integer for every axis of the grid; false where there is a complaint. */
+static bool read_grid(ph_i_reader *r, const ph_i_node *node, ptrdiff_t *nodes)
+{
+    const char *rule = r->dimension == 3 ? "must be a list of 3 integers from 1 to 65536"
+                                         : "must be a list of 2 integers from 1 to 65536";
+    if (!ph_i_read_list(r, node, (size_t)r->dimension, rule)) return false;
+    int64_t total = 1;
+    for (size_t a = 0; a < (size_t)r->dimension; a++) {
+        int64_t n = 0;
+        if (!ph_i_read_integer(r, node->child[a], 1, MAX_NODES_PER_AXIS,
+                               "must be an integer from 1 to 65536", &n))
+            return false;
+        nodes[a] = (ptrdiff_t)n;
+        total *= n; /* below 2^48 */
+    }
+    if (r->dimension == 2) nodes[2] = 1;
+    if (total > (int64_t)1 << 40)
+        ph_i_complain(r, node, PH_EINVAL, "%lld nodes: at most 2^40 are admissible",
+                      (long long)total);
+    return true;
+}
+
 static void read_nodes(ph_i_reader *r, const ph_i_node *map, bool voxels)
 {
     const char *rule = r->dimension == 3 ? "must be a list of 3 integers from 1 to 65536"
                                          : "must be a list of 2 integers from 1 to 65536";
     const ph_i_node *node =
         voxels ? ph_i_get(map, "nodes") : ph_i_need(r, map, "nodes", rule);
-    if (!node || !ph_i_read_list(r, node, (size_t)r->dimension, rule)) return;
-    int64_t total = 1;
-    for (size_t a = 0; a < (size_t)r->dimension; a++) {
-        int64_t n = 0;
-        if (!ph_i_read_integer(r, node->child[a], 1, MAX_NODES_PER_AXIS,
-                               "must be an integer from 1 to 65536", &n))
-            return;
-        r->c->nodes[a] = (ptrdiff_t)n;
-        total *= n; /* below 2^48 */
-    }
-    if (r->dimension == 2) r->c->nodes[2] = 1;
-    if (total > (int64_t)1 << 40)
-        ph_i_complain(r, node, PH_EINVAL, "%lld nodes: at most 2^40 are admissible",
-                      (long long)total);
+    const ph_i_node *drawn = ph_i_get(map, "drawn_on");
+    if (node) read_grid(r, node, r->c->nodes);
+    if (drawn && !ph_i_is_null(drawn) && read_grid(r, drawn, r->c->drawn_on) &&
+        !ph_i_get(map, "fillers"))
+        ph_i_complain(r, drawn, PH_EINVAL, "belongs to fillers, and there are none");
 }
 
 static void read_voxel_value(ph_i_reader *r, const ph_i_node *node, int value)

@@ -42,11 +42,45 @@ ph_status ph_i_points_resolve(ph_i_reader *r, const ph_i_node *root,
                               const ph_i_sweep *sweep, const char *const *sets,
                               size_t nsets, ph_campaign *c, ph_error *err);
 
+/* ---- levels.c: cheaper models of the points */
+
+/** What `variance_reduction` asks for. */
+typedef struct ph_i_levels {
+    bool given, automatic;
+    int n;
+    bool fillers[PH_MAX_MODELS];
+    size_t nsets[PH_MAX_MODELS];
+    char **set[PH_MAX_MODELS]; /* overrides of each */
+} ph_i_levels;
+ph_status ph_i_levels_read(ph_i_reader *r, const ph_i_node *root, ph_i_levels *levels,
+                           ph_campaign *c, ph_error *err);
+void ph_i_levels_clear(ph_i_levels *levels);
+/** The models of a point whose case is there; `sets` made that case. Complaints are added to
+ *  `issues`, the hash of the campaign takes them in. */
+ph_status ph_i_levels_resolve(const ph_i_levels *levels, int point,
+                              const char *const *sets, size_t nsets, ph_campaign *c,
+                              ph_case_issues *issues, ph_error *err);
+static inline int ph_i_slots(const ph_campaign *c)
+{
+    return c->npoints * (c->nmodels > 1 ? c->nmodels : 1);
+}
+static inline bool ph_i_is_fillers(const ph_campaign *c, int slot)
+{
+    return c->nmodels > 1 && slot / c->npoints == c->fillers_model;
+}
+/** The case of model m of a point. */
+const ph_case *ph_i_slot_case(const ph_campaign *c, int slot);
+/** Its outputs (not of the fillers). */
+const ph_quantity *ph_i_slot_output(const ph_campaign *c, int slot);
+/** Numbers of a realisation, and the name of each: outputs, or what is read off fillers. */
+int ph_i_slot_values(const ph_campaign *c, int slot);
+void ph_i_slot_name(const ph_campaign *c, int slot, int k, char name[96]);
+
 /* ---- record.c: a line of realisations.jsonl */
 
 /** What became of realisation i of a point. */
 typedef struct ph_i_record {
-    int point;
+    int point; /* model m of point p is "point" p + m npoints: ph_i_slots(c) of them */
     int64_t i;
     ph_status status; /* PH_OK, or why it failed: then `message` */
     char message[512];
@@ -120,6 +154,7 @@ void ph_i_store_close(ph_i_store *s);
 typedef struct ph_i_waiting {
     int64_t i;
     bool failed;
+    int iterations;
     double *value;
 } ph_i_waiting;
 
@@ -129,19 +164,32 @@ typedef struct ph_i_point_tally {
     bool done;
     ph_sequence *output; /* [noutputs] */
     size_t nwaiting, room;
-    ph_i_waiting *waiting; /* heap by i: those that came early */
+    ph_i_waiting *waiting;        /* heap by i: those that came early */
+    double *kept[PH_MAX_OUTPUTS]; /* with models: values in order, NaN where failed */
+    int64_t kept_room;
+    double iterations; /* of the first realisations that did not fail, for the cost */
+    int costed;
 } ph_i_point_tally;
 
 typedef struct ph_i_tally {
     const ph_campaign *c;
-    ph_i_point_tally *point;
+    ph_i_point_tally *point; /* [slots] */
     ph_sequence *all;
+    ph_estimation *estimation; /* [npoints] with models, else NULL */
 } ph_i_tally;
 ph_status ph_i_tally_init(ph_i_tally *t, const ph_campaign *c, ph_error *err);
 void ph_i_tally_clear(ph_i_tally *t);
 ph_status ph_i_tally_add(ph_i_tally *t, const ph_i_record *r, ph_error *err);
 /** Realisations 0 .. this - 1 of a point are certainly needed. */
 int64_t ph_i_tally_wanted(const ph_i_tally *t, int point);
+/** variance.c: room for estimations; their first wants. */
+ph_status ph_i_variance_begin(ph_i_tally *t, ph_error *err);
+/** Keep the values of a realisation, and decide what comes next where a stage of
+ *  its point is complete. */
+ph_status ph_i_variance_add(ph_i_tally *t, int slot, bool failed, int iterations,
+                            const double *value, ph_error *err);
+/** Mean of output k of a point by the estimation so far; false: there is none yet. */
+bool ph_i_variance_mean(const ph_i_tally *t, int point, int k, ph_interval *out);
 /** All entries of a store. */
 ph_status ph_i_tally_load(ph_i_tally *t, ph_i_store *s, bool skip_failed, ph_error *err);
 

@@ -48,6 +48,49 @@ static double half_width(const ph_interval *i)
     return i->half_width;
 }
 
+static ph_status put_level(json_t *list, const ph_campaign *c, const ph_level_report *l,
+                           ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *map = json_object();
+    PH_TRY(ph_i_json_add(list, map, err));
+    PH_TRY(ph_i_json_put(
+        map, "model", ph_i_json_text(l->model ? c->model_name[l->model] : "case"), err));
+    PH_TRY(ph_i_json_put(map, "level", json_integer(l->model), err));
+    PH_TRY(ph_i_json_put(map, "realisations", json_integer(l->n), err));
+    PH_TRY(ph_i_json_put(map, "cost", ph_i_json_number(l->cost), err));
+    PH_TRY(ph_i_json_put(map, "variance", ph_i_json_number(l->variance), err));
+    PH_TRY(ph_i_json_put(map, "coefficient", ph_i_json_number(l->coefficient), err));
+    PH_TRY(ph_i_json_put(map, "correlation", ph_i_json_number(l->correlation), err));
+    PH_TRY(ph_i_json_put(map, "difference", ph_i_json_number(l->difference), err));
+    PH_TRY(ph_i_json_put(map, "difference_error", ph_i_json_number(l->difference_error),
+                         err));
+out:
+    return st;
+}
+
+/* How the means of a point were come by. */
+static ph_status put_estimation(json_t *point, const ph_campaign *c,
+                                const ph_estimation *e, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *map = json_object(), *levels = json_array();
+    PH_TRY(ph_i_json_put(point, "variance_reduction", map, err));
+    PH_TRY(ph_i_json_put(map, "method",
+                         e->method < 0 ? json_null()
+                                       : json_string(ph_estimators[e->method].info.name),
+                         err));
+    PH_TRY(ph_i_json_put(map, "reason", ph_i_json_text(e->reason), err));
+    PH_TRY(ph_i_json_put(map, "cost", ph_i_json_number(e->estimate.cost), err));
+    PH_TRY(
+        ph_i_json_put(map, "plain_cost", ph_i_json_number(e->estimate.plain_cost), err));
+    PH_TRY(ph_i_json_put(map, "levels", levels, err));
+    for (int l = 0; l < e->estimate.nlevels; l++)
+        PH_TRY(put_level(levels, c, &e->estimate.level[l], err));
+out:
+    return st;
+}
+
 static ph_status put_point(json_t *list, const ph_campaign *c, int p,
                            const ph_campaign_summary *s, ph_error *err)
 {
@@ -65,6 +108,7 @@ static ph_status put_point(json_t *list, const ph_campaign *c, int p,
     PH_TRY(put_statistic(map, "std", c, s, deviation, err));
     PH_TRY(put_statistic(map, "standard_error", c, s, standard_error, err));
     PH_TRY(put_statistic(map, "half_width", c, s, half_width, err));
+    if (s->estimation) PH_TRY(put_estimation(map, c, s->estimation, err));
 out:
     return st;
 }

@@ -162,9 +162,9 @@ static ph_status fit(work *w, int l, ph_level_report *report, ph_error *err)
 {
     ph_status st = PH_OK;
     int d = w->d[l + 1];
-    moments *m = NULL; /* [folds], total, without one */
+    moments m[FOLDS + 2]; /* of the folds, of all, without one */
     double all[D];
-    PH_ALLOC(m, w->folds + 2, "the fit of a coefficient");
+    memset(m, 0, sizeof m);
     moments *total = &m[w->folds], *rest = total + 1;
     for (ptrdiff_t k = 0; k < w->c->count[l]; k++)
         if (first_level(w, k) <= l) {
@@ -186,7 +186,6 @@ static ph_status fit(work *w, int l, ph_level_report *report, ph_error *err)
     }
     if (!w->c->fits) report->coefficient = 1;
 out:
-    free(m);
     return st;
 }
 
@@ -322,12 +321,12 @@ ph_status ph_i_chain_sum(const ph_i_chain *chain, const ph_model_samples *models
                          ph_mean_estimate *out, ph_error *err)
 {
     ph_status st = PH_OK;
-    work *w = NULL;
+    work own, *w = &own; /* no memory is asked for: a sum fails for its numbers only */
     scatter s;
     memset(&s, 0, sizeof s);
     memset(out, 0, sizeof *out);
     out->nlevels = chain->n;
-    PH_ALLOC(w, 1, "an estimate");
+    memset(w, 0, sizeof *w);
     w->c = chain;
     for (int l = 0; l < chain->n; l++) {
         w->model[l] = &models[chain->model[l]];
@@ -345,7 +344,6 @@ ph_status ph_i_chain_sum(const ph_i_chain *chain, const ph_model_samples *models
     out->mean = w->centre[0][0] + sum(w, &s);
     PH_TRY(report(w, &s, out, err));
 out:
-    free(w);
     return st;
 }
 

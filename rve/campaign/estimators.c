@@ -249,7 +249,7 @@ static void pilots(const plan *p, ptrdiff_t *want)
     want[0] = (ptrdiff_t)first;
     if (p->method == PLAIN) return;
     for (int i = 1; i <= last; i++) {
-        double ratio = p->models[0].cost / (2 * p->models[i].cost);
+        double ratio = p->models[0].cost / (4 * p->models[i].cost);
         double n = ceil(first * fmin(fmax(ratio, 1), 8));
         if (d > 1) n = fmax(n, fit);
         want[i] = (ptrdiff_t)fmax(n, (double)want[i - 1]);
@@ -350,8 +350,9 @@ static ph_status stages(plan *p, ph_estimation *out, ph_error *err)
         raise_numbers(p, &out->estimate, h, out->stage == 1 ? 0.5 : 1, out->want);
     }
     /* The plan takes the coefficients as known: what is missing. */
-    for (double less = h; h > 0 && out->estimate.half_width > h; less *= 0.99) {
+    for (int round = 0; h > 0 && out->estimate.half_width > h; round++) {
         ptrdiff_t before[PH_MAX_MODELS];
+        double less = h * pow(0.99, round);
         memcpy(before, out->want, sizeof before);
         raise_numbers(p, &out->estimate, less, 1, out->want);
         if (memcmp(before, out->want, sizeof before) == 0) {

@@ -151,6 +151,8 @@ ph_status ph_i_plan_read(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
 {
     ph_status st = PH_OK;
     c->judged = -1;
+    c->nmodels = 1;
+    c->fillers_model = -1;
     c->common_random_numbers = true;
     PH_TRY(read_outputs(r, root, c, err));
     read_realisations(r, root, c);

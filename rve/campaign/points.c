@@ -129,7 +129,8 @@ out:
 }
 
 static ph_status resolve(ph_i_reader *r, const ph_i_sweep *sweep, int point,
-                         set_list *sets, ph_campaign *c, ph_error *err)
+                         const ph_i_levels *levels, set_list *sets, ph_campaign *c,
+                         ph_error *err)
 {
     ph_status st = PH_OK;
     ph_case_issues issues = {0};
@@ -144,11 +145,13 @@ static ph_status resolve(ph_i_reader *r, const ph_i_sweep *sweep, int point,
         st = PH_FAIL(err, read, "%s", why.msg);
         goto out;
     }
-    hand_on(r, &issues, c, point);
     if (read == PH_OK) {
         check_outputs(r, c, point);
         PH_TRY(hash_point(c, point, err));
+        PH_TRY(ph_i_levels_resolve(levels, point, (const char *const *)sets->item,
+                                   sets->count, c, &issues, err));
     }
+    hand_on(r, &issues, c, point);
 out:
     ph_case_issues_free(&issues);
     clear_sets(sets);
@@ -174,7 +177,9 @@ ph_status ph_i_points_resolve(ph_i_reader *r, const ph_i_node *root,
 {
     ph_status st = PH_OK;
     set_list all = {0};
+    ph_i_levels levels = {0};
     c->hash = PH_I_HASH_START;
+    PH_TRY(ph_i_levels_read(r, root, &levels, c, err));
     PH_TRY(take_keys(sweep, c, err));
     PH_TRY(take_common_sets(r, root, &all, err));
     for (size_t i = 0; i < nsets; i++) {
@@ -189,11 +194,12 @@ ph_status ph_i_points_resolve(ph_i_reader *r, const ph_i_node *root,
     PH_ALLOC(c->point, npoints, "the points of a sweep");
     c->npoints = npoints;
     for (int p = 0; p < npoints && r->invalid + r->unphysical < 20; p++)
-        PH_TRY(resolve(r, sweep, p, &all, c, err));
+        PH_TRY(resolve(r, sweep, p, &levels, &all, c, err));
     for (int i = 0; i < c->noutputs; i++)
         c->hash = ph_i_hash(c->hash, c->output[i].name, strlen(c->output[i].name) + 1);
     c->hash = ph_i_hash(c->hash, &c->common_random_numbers, 1);
 out:
+    ph_i_levels_clear(&levels);
     clear_sets(&all);
     return st;
 }

@@ -7,10 +7,12 @@
 
 enum { MAX_FILE = 1 << 26 };
 
-static const char *const root_keys[] = {
-    "campaign", "title", "case",         "set",     "sweep",
-    "zip",      "table", "realisations", "outputs", "common_random_numbers",
-    "data"};
+static const char *const root_keys[] = {"campaign", "title",
+                                        "case",     "set",
+                                        "sweep",    "zip",
+                                        "table",    "realisations",
+                                        "outputs",  "common_random_numbers",
+                                        "data",     "variance_reduction"};
 
 static void free_point(ph_campaign_point *p, int nkeys)
 {
@@ -19,6 +21,8 @@ static void free_point(ph_campaign_point *p, int nkeys)
     free(p->value);
     free(p->number);
     ph_case_free(&p->c);
+    for (int m = 1; m < PH_MAX_MODELS; m++)
+        ph_case_free(&p->model[m]);
 }
 
 void ph_campaign_free(ph_campaign **campaign)
@@ -32,6 +36,7 @@ void ph_campaign_free(ph_campaign **campaign)
     free(c->point);
     free(c->key);
     free(c->output);
+    free(c->cheap);
     free(c);
     *campaign = NULL;
 }

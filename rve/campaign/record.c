@@ -41,17 +41,22 @@ static size_t put_text(char *text, size_t n, const char *from)
 
 size_t ph_i_record_line(const ph_campaign *c, const ph_i_record *r, char *text)
 {
-    size_t n = (size_t)snprintf(text, PH_I_LINE, "{\"point\": %d, \"i\": %lld", r->point,
-                                (long long)r->i);
+    size_t n = (size_t)snprintf(text, PH_I_LINE, "{\"point\": %d", r->point % c->npoints);
+    if (r->point >= c->npoints)
+        n += (size_t)snprintf(text + n, PH_I_LINE - n, ", \"level\": %d",
+                              r->point / c->npoints);
+    n += (size_t)snprintf(text + n, PH_I_LINE - n, ", \"i\": %lld", (long long)r->i);
     if (r->status != PH_OK) {
         n += (size_t)snprintf(text + n, PH_I_LINE - n, ", \"failed\": \"%s\"",
                               ph_status_text(r->status));
         n += (size_t)snprintf(text + n, PH_I_LINE - n, ", \"message\": ");
         return close_line(text, put_text(text, n, r->message));
     }
-    for (int k = 0; k < c->noutputs; k++) {
+    for (int k = 0; k < ph_i_slot_values(c, r->point); k++) {
+        char name[sizeof c->output->name];
+        ph_i_slot_name(c, r->point, k, name);
         n += (size_t)snprintf(text + n, PH_I_LINE - n, ", ");
-        n = put_text(text, n, c->output[k].name);
+        n = put_text(text, n, name);
         text[n++] = ':';
         text[n++] = ' ';
         ph_i_short_number(text + n, 40, 17, r->value[k]);
@@ -121,8 +126,10 @@ static bool take_values(const ph_campaign *c, const char *at, ph_i_record *r)
 {
     char key[2 * sizeof c->output->name + 8];
     int64_t iterations = 0;
-    for (int k = 0; k < c->noutputs; k++) {
-        size_t n = put_text(key, 0, c->output[k].name);
+    for (int k = 0; k < ph_i_slot_values(c, r->point); k++) {
+        char name[sizeof c->output->name];
+        ph_i_slot_name(c, r->point, k, name);
+        size_t n = put_text(key, 0, name);
         snprintf(key + n, sizeof key - n, ": ");
         at = skip_number(skip(skip(at, ", "), key), &r->value[k]);
     }
@@ -147,12 +154,14 @@ static bool take_failure(const char *line, size_t length, ph_i_record *r)
 bool ph_i_record_parse(const ph_campaign *c, const char *line, size_t length,
                        ph_i_record *r)
 {
-    int64_t point = 0, i = 0;
+    int64_t point = 0, level = 0, i = 0;
     if (!check_is_right(line, length)) return false;
     const char *at = skip_integer(skip(line, "{\"point\": "), c->npoints - 1, &point);
+    if (skip(at, ", \"level\": "))
+        at = skip_integer(skip(at, ", \"level\": "), c->nmodels - 1, &level);
     at = skip_integer(skip(at, ", \"i\": "), INT32_MAX, &i);
     if (!at) return false;
-    r->point = (int)point;
+    r->point = (int)(point + level * c->npoints);
     r->i = i;
     r->status = PH_OK;
     r->message[0] = 0;

@@ -10,6 +10,7 @@ void ph_campaign_result_free(ph_campaign_result **result)
     if (!result || !*result) return;
     free((*result)->point);
     free((*result)->all);
+    free((*result)->estimation);
     free(*result);
     *result = NULL;
 }
@@ -36,6 +37,17 @@ static void take_point(const ph_campaign *c, const ph_i_point_tally *t,
             (ph_campaign_mean){t->output[k].n, ph_sequence_interval(&t->output[k])};
 }
 
+/* Means by the cheaper models; the deviation stays that of the case itself. */
+static void take_estimation(const ph_i_tally *t, int point, ph_campaign_result *r)
+{
+    ph_campaign_summary *s = &r->point[point];
+    r->estimation[point] = t->estimation[point];
+    s->estimation = &r->estimation[point];
+    s->reached = s->complete && (s->estimation->reached || t->c->judged < 0);
+    for (int k = 0; k < t->c->noutputs; k++)
+        ph_i_variance_mean(t, point, k, &s->output[k].mean);
+}
+
 ph_status ph_i_result_make(ph_i_store *store, ph_campaign_result **out, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -48,17 +60,19 @@ ph_status ph_i_result_make(ph_i_store *store, ph_campaign_result **out, ph_error
     PH_ALLOC(r->all, (size_t)c->npoints * (size_t)c->noutputs, "the statistics");
     PH_TRY(ph_i_tally_init(&tally, c, err));
     PH_TRY(ph_i_tally_load(&tally, store, false, err));
+    if (c->nmodels > 1) PH_ALLOC(r->estimation, c->npoints, "the estimations");
     r->npoints = c->npoints;
     r->noutputs = c->noutputs;
     r->complete = true;
     for (int p = 0; p < c->npoints; p++) {
         r->point[p].output = &r->all[(size_t)p * (size_t)c->noutputs];
         take_point(c, &tally.point[p], &r->point[p]);
+        if (r->estimation) take_estimation(&tally, p, r);
         r->complete = r->complete && r->point[p].complete;
     }
     r->realisations = (int64_t)store->count;
     for (size_t k = 0; k < store->count; k++)
-        r->failed += store->entry[k].failed;
+        r->failed += store->entry[k].failed && store->entry[k].point < c->npoints;
     r->dropped = store->dropped;
     r->differing = store->differing;
     *out = r;

@@ -19,9 +19,9 @@ typedef struct rows {
     ph_i_store *store;
     const char *path;
     hid_t file;
-    column point, realisation, failed, iterations;
+    column point, level, realisation, failed, iterations; /* level: with models only */
     column output[PH_MAX_OUTPUTS];
-    int32_t *p, *it;
+    int32_t *p, *l, *it;
     int64_t *i;
     uint8_t *f;
     double *value; /* [noutputs][BLOCK] */
@@ -72,12 +72,14 @@ static ph_status create_all(rows *r, ph_error *err)
     ph_status st = PH_OK;
     const ph_campaign *c = r->store->c;
     PH_TRY(create(r, "point", H5T_NATIVE_INT32, &r->point, err));
+    if (c->nmodels > 1) PH_TRY(create(r, "level", H5T_NATIVE_INT32, &r->level, err));
     PH_TRY(create(r, "realisation", H5T_NATIVE_INT64, &r->realisation, err));
     PH_TRY(create(r, "failed", H5T_NATIVE_UINT8, &r->failed, err));
     PH_TRY(create(r, "iterations", H5T_NATIVE_INT32, &r->iterations, err));
     for (int k = 0; k < c->noutputs; k++)
         PH_TRY(create(r, c->output[k].name, H5T_NATIVE_DOUBLE, &r->output[k], err));
     PH_ALLOC(r->p, BLOCK, "rows of realisations");
+    PH_ALLOC(r->l, BLOCK, "rows of realisations");
     PH_ALLOC(r->it, BLOCK, "rows of realisations");
     PH_ALLOC(r->i, BLOCK, "rows of realisations");
     PH_ALLOC(r->f, BLOCK, "rows of realisations");
@@ -93,14 +95,17 @@ static ph_status put_block(rows *r, size_t first, size_t n, ph_error *err)
     ph_i_record one;
     for (size_t k = 0; k < n; k++) {
         PH_TRY(ph_i_store_get(r->store, &r->store->entry[first + k], &one, err));
-        r->p[k] = one.point;
+        r->p[k] = one.point % c->npoints;
+        r->l[k] = one.point / c->npoints;
+        bool nothing = one.status != PH_OK || ph_i_is_fillers(c, one.point);
         r->i[k] = one.i;
         r->f[k] = one.status != PH_OK;
         r->it[k] = one.iterations;
         for (int o = 0; o < c->noutputs; o++)
-            r->value[o * BLOCK + (int)k] = r->f[k] ? (double)NAN : one.value[o];
+            r->value[o * BLOCK + (int)k] = nothing ? (double)NAN : one.value[o];
     }
     PH_TRY(put(r, &r->point, first, n, r->p, err));
+    if (c->nmodels > 1) PH_TRY(put(r, &r->level, first, n, r->l, err));
     PH_TRY(put(r, &r->realisation, first, n, r->i, err));
     PH_TRY(put(r, &r->failed, first, n, r->f, err));
     PH_TRY(put(r, &r->iterations, first, n, r->it, err));
@@ -143,12 +148,14 @@ static void close_set(column *c)
 static void close_all(rows *r)
 {
     close_set(&r->point);
+    close_set(&r->level);
     close_set(&r->realisation);
     close_set(&r->failed);
     close_set(&r->iterations);
     for (int k = 0; k < r->store->c->noutputs; k++)
         close_set(&r->output[k]);
     free(r->p);
+    free(r->l);
     free(r->it);
     free(r->i);
     free(r->f);

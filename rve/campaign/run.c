@@ -42,29 +42,49 @@ static double seconds(void)
 
 /* ---- in the worker */
 
+/* What can be read off the fillers instead of a solution. */
+static ph_status describe(const ph_scenario *s, ph_evaluation *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_case c = *s->c; /* borrows its arrays */
+    ph_microstructure *micro = NULL;
+    ph_packing *packing = NULL;
+    double start = seconds();
+    c.realisation = s->realisation;
+    PH_TRY(ph_rve_generate(&c, &micro, &packing, err));
+    PH_TRY(ph_rve_describe(&c, packing, micro, v->value, err));
+    v->seconds = seconds() - start;
+out:
+    ph_packing_free(&packing);
+    ph_microstructure_free(&micro);
+    return st;
+}
+
 static ph_status work(void *user, const ph_i_task *task, ph_i_record *out)
 {
     const engine *e = user;
     const ph_campaign *c = e->c;
     ph_error err = PH_ERROR_INIT;
     ph_evaluation v = {0};
-    const ph_scenario s = {.c = c->point[task->point].c,
-                           .realisation =
-                               ph_campaign_realisation(c, task->point, task->i),
+    int point = task->point % c->npoints;
+    const ph_scenario s = {.c = ph_i_slot_case(c, task->point),
+                           .realisation = ph_campaign_realisation(c, point, task->i),
                            .noutputs = c->noutputs,
-                           .output = c->output};
+                           .output = ph_i_slot_output(c, task->point)};
     const ph_ctx ctx = {.threads = e->now.threads};
 #ifdef _OPENMP
     omp_set_num_threads(e->now.threads);
 #endif
-    ph_status st = e->params->evaluate ? e->params->evaluate(e->params->evaluate_user, &s,
-                                                             task->point, &v, &err)
-                                       : ph_scenario_evaluate(&s, &ctx, &v, &err);
-    memcpy(out->value, v.value, sizeof *v.value * (size_t)c->noutputs);
+    ph_status st = ph_i_is_fillers(c, task->point) ? describe(&s, &v, &err)
+                   : e->params->evaluate ? e->params->evaluate(e->params->evaluate_user,
+                                                               &s, point, &v, &err)
+                                         : ph_scenario_evaluate(&s, &ctx, &v, &err);
+    memcpy(out->value, v.value, sizeof out->value);
     out->iterations = v.iterations;
     out->seconds = v.seconds;
     out->bytes = v.peak_bytes;
-    for (int k = 0; st == PH_OK && k < c->noutputs; k++)
+    for (int k = 0; st == PH_OK && k < c->noutputs && !ph_i_is_fillers(c, task->point);
+         k++)
         if (!isfinite(v.value[k]))
             st = PH_FAIL(&err, PH_ESINGULAR, "%s is not finite", c->output[k].name);
     if (st != PH_OK)
@@ -79,6 +99,7 @@ static bool is_mine(const engine *e, int point, int64_t i)
 {
     int n = e->params->shards, k = e->params->shard - 1;
     if (n <= 1) return true;
+    if (e->c->nmodels > 1) return point % e->c->npoints % n == k;
     return e->c->judged >= 0 ? point % n == k : (i * e->c->npoints + point) % n == k;
 }
 
@@ -102,7 +123,14 @@ static void make_ready(engine *e, int point)
 {
     if (e->is_ready[point]) return;
     e->is_ready[point] = true;
-    e->ready[(e->first_ready + e->nready++) % e->c->npoints] = point;
+    e->ready[(e->first_ready + e->nready++) % ph_i_slots(e->c)] = point;
+}
+
+/* All its models that want more than was issued. */
+static void make_point_ready(engine *e, int point)
+{
+    for (int s = point; s < ph_i_slots(e->c); s += e->c->npoints)
+        if (e->issued[s] < ph_i_tally_wanted(&e->tally, s)) make_ready(e, s);
 }
 
 /* The next realisation to compute, or false: nothing is certain now. */
@@ -122,7 +150,7 @@ static bool next_task(engine *e, ph_i_task *task)
             return true;
         }
         e->is_ready[p] = false;
-        e->first_ready = (e->first_ready + 1) % e->c->npoints;
+        e->first_ready = (e->first_ready + 1) % ph_i_slots(e->c);
         e->nready--;
     }
     return false;
@@ -173,11 +201,14 @@ static ph_status take(engine *e, const ph_i_record *r, ph_error *err)
     int64_t before = ph_i_tally_wanted(&e->tally, r->point);
     PH_TRY(ph_i_store_add(&e->store, r, err));
     PH_TRY(ph_i_tally_add(&e->tally, r, err));
-    if (ph_i_tally_wanted(&e->tally, r->point) > before) make_ready(e, r->point);
+    if (e->c->nmodels > 1)
+        make_point_ready(e, r->point % e->c->npoints);
+    else if (ph_i_tally_wanted(&e->tally, r->point) > before)
+        make_ready(e, r->point);
     e->computed++;
     e->spent += r->seconds;
-    e->now.point = r->point;
-    e->now.failed += r->status != PH_OK;
+    e->now.point = r->point % e->c->npoints;
+    e->now.failed += r->status != PH_OK && r->point < e->c->npoints;
     /* buffered, not synced: what is lost of it is not missed */
     if (e->costs)
         fprintf(e->costs, "%d,%lld,%.6g,%zu\n", r->point, (long long)r->i, r->seconds,
@@ -217,7 +248,7 @@ static double time_to_go(const engine *e)
 {
     double left = 0.0;
     const ph_stopping *rule = &e->c->stopping;
-    if (e->computed == 0 || e->params->shards > 1) return NAN;
+    if (e->computed == 0 || e->params->shards > 1 || e->c->nmodels > 1) return NAN;
     for (int p = 0; p < e->c->npoints; p++) {
         const ph_i_point_tally *t = &e->tally.point[p];
         const ph_sequence *s = &t->output[e->c->judged >= 0 ? e->c->judged : 0];
@@ -241,9 +272,9 @@ static bool report(engine *e)
     if (!e->params->progress) return true;
     now->realisations = (int64_t)e->store.count;
     now->wanted = now->points_done = 0;
-    for (int p = 0; p < e->c->npoints; p++) {
+    for (int p = 0; p < ph_i_slots(e->c); p++) {
         now->wanted += ph_i_tally_wanted(&e->tally, p);
-        now->points_done += e->tally.point[p].done;
+        now->points_done += p < e->c->npoints && e->tally.point[p].done;
     }
     now->seconds = seconds() - e->started;
     now->to_go = time_to_go(e);
@@ -296,15 +327,15 @@ static ph_status prepare(engine *e, ph_error *err)
     ph_status st = PH_OK;
     const ph_campaign *c = e->c;
     char path[1100];
-    PH_ALLOC(e->issued, c->npoints, "the points");
-    PH_ALLOC(e->ready, c->npoints, "the points");
-    PH_ALLOC(e->is_ready, c->npoints, "the points");
+    PH_ALLOC(e->issued, ph_i_slots(c), "the points");
+    PH_ALLOC(e->ready, ph_i_slots(c), "the points");
+    PH_ALLOC(e->is_ready, ph_i_slots(c), "the points");
     PH_TRY(ph_i_tally_init(&e->tally, c, err));
     PH_TRY(ph_i_tally_load(&e->tally, &e->store, e->params->retry_failed, err));
     e->nknown = e->store.count;
     for (size_t k = 0; k < e->nknown; k++)
         e->now.failed += e->store.entry[k].failed && !e->params->retry_failed;
-    for (int p = 0; p < c->npoints; p++)
+    for (int p = 0; p < ph_i_slots(c); p++)
         make_ready(e, p);
     snprintf(path, sizeof path, "%s/costs.csv", e->store.folder);
     bool fresh = access(path, F_OK) != 0;

@@ -10,13 +10,15 @@ ph_status ph_i_tally_init(ph_i_tally *t, const ph_campaign *c, ph_error *err)
     ph_status st = PH_OK;
     *t = (ph_i_tally){.c = c};
     ph_stopping fixed = {1, c->stopping.at_most, 0, 0, c->stopping.confidence};
-    PH_ALLOC(t->point, c->npoints, "the statistics of the points");
+    PH_ALLOC(t->point, ph_i_slots(c), "the statistics of the points");
     PH_ALLOC(t->all, (size_t)c->npoints * (size_t)c->noutputs, "the statistics");
+    if (c->nmodels > 1) PH_TRY(ph_i_variance_begin(t, err));
     for (int p = 0; p < c->npoints; p++) {
         t->point[p].output = &t->all[(size_t)p * (size_t)c->noutputs];
         for (int k = 0; k < c->noutputs; k++)
-            PH_TRY(ph_sequence_start(&t->point[p].output[k],
-                                     k == c->judged ? &c->stopping : &fixed, err));
+            PH_TRY(ph_sequence_start(
+                &t->point[p].output[k],
+                k == c->judged && c->nmodels <= 1 ? &c->stopping : &fixed, err));
     }
 out:
     if (st != PH_OK) ph_i_tally_clear(t);
@@ -25,13 +27,16 @@ out:
 
 void ph_i_tally_clear(ph_i_tally *t)
 {
-    for (int p = 0; t->point && p < t->c->npoints; p++) {
+    for (int p = 0; t->point && p < ph_i_slots(t->c); p++) {
         for (size_t k = 0; k < t->point[p].nwaiting; k++)
             free(t->point[p].waiting[k].value);
         free(t->point[p].waiting);
+        for (int k = 0; k < PH_MAX_OUTPUTS; k++)
+            free(t->point[p].kept[k]);
     }
     free(t->point);
     free(t->all);
+    free(t->estimation);
     *t = (ph_i_tally){0};
 }
 
@@ -45,18 +50,23 @@ int64_t ph_i_tally_wanted(const ph_i_tally *t, int point)
     const ph_i_point_tally *p = &t->point[point];
     int64_t most = t->c->stopping.at_most;
     if (p->done) return p->next;
+    if (t->estimation)
+        return t->estimation[point % t->c->npoints].want[point / t->c->npoints];
     int64_t wanted = judge(t, point)->target + p->failed;
     return wanted < most ? wanted : most;
 }
 
-static void count(ph_i_tally *t, int point, bool failed, const double *value)
+static ph_status count(ph_i_tally *t, int point, bool failed, int iterations,
+                       const double *value, ph_error *err)
 {
     ph_i_point_tally *p = &t->point[point];
-    p->next++;
     p->failed += failed;
-    for (int k = 0; k < t->c->noutputs && !failed; k++)
+    for (int k = 0; k < t->c->noutputs && !failed && p->output; k++)
         ph_sequence_add(&p->output[k], value[k]);
+    if (t->estimation) return ph_i_variance_add(t, point, failed, iterations, value, err);
+    p->next++;
     p->done = judge(t, point)->done || p->next >= t->c->stopping.at_most;
+    return PH_OK;
 }
 
 /* ---- those that came early: a heap, least index on top ---- */
@@ -80,10 +90,11 @@ static ph_status push(ph_i_tally *t, ph_i_point_tally *p, const ph_i_record *r,
         p->room = room;
     }
     double *value;
-    PH_ALLOC(value, t->c->noutputs, "a realisation");
-    memcpy(value, r->value, sizeof *value * (size_t)t->c->noutputs);
+    size_t width = (size_t)ph_i_slot_values(t->c, r->point);
+    PH_ALLOC(value, width, "a realisation");
+    memcpy(value, r->value, sizeof *value * width);
     size_t at = p->nwaiting++;
-    p->waiting[at] = (ph_i_waiting){r->i, r->status != PH_OK, value};
+    p->waiting[at] = (ph_i_waiting){r->i, r->status != PH_OK, r->iterations, value};
     while (at > 0 && p->waiting[(at - 1) / 2].i > p->waiting[at].i) {
         swap(&p->waiting[(at - 1) / 2], &p->waiting[at]);
         at = (at - 1) / 2;
@@ -116,11 +127,13 @@ ph_status ph_i_tally_add(ph_i_tally *t, const ph_i_record *r, ph_error *err)
         PH_TRY(push(t, p, r, err));
         goto out;
     }
-    count(t, r->point, r->status != PH_OK, r->value);
+    PH_TRY(count(t, r->point, r->status != PH_OK, r->iterations, r->value, err));
     while (p->nwaiting > 0 && p->waiting[0].i <= p->next) {
         ph_i_waiting w = pop(p);
-        if (w.i == p->next && !p->done) count(t, r->point, w.failed, w.value);
+        if (w.i == p->next && !p->done)
+            st = count(t, r->point, w.failed, w.iterations, w.value, err);
         free(w.value);
+        PH_TRY(st);
     }
 out:
     return st;

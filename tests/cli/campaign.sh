@@ -71,6 +71,25 @@ check "four shards, merged, are the single run" same parts one
 campaign -o parts --merge parts/shard-2-of-4 parts/shard-4-of-4 parts/shard-2-of-4
 check "merging twice changes nothing" same parts one
 
+# With cheaper models of every realisation: killed, and split by points.
+sed 's/^realisations:.*/realisations: {at_most: 400, until: {quantity: C11, relative_half_width: 0.01}}/' sweep.yaml >models.yaml
+echo 'variance_reduction: auto' >>models.yaml
+models() { "$perihom" campaign models.yaml -q "$@" >/dev/null; }
+models -o reduced -j 1
+check "variance reduction: all models have lines" sh -c 'grep -q "\"level\": 3" reduced/realisations.jsonl && grep -q "\"variance_reduction\"" reduced/campaign.json'
+for k in 1 2 3; do
+    "$perihom" campaign models.yaml -q -o reduced2 -j 2 >/dev/null 2>&1 &
+    pid=$!
+    sleep "0.1$k"
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+done
+models -o reduced2 -j 2
+check "... killed three times: the same" same reduced2 reduced
+for k in 2 1; do models -o reduced3 --shard $k/2 -j 1; done
+models -o reduced3 --merge
+check "... two shards, merged: the same" same reduced3 reduced
+
 # Another campaign in the same folder is refused.
 sed 's/0.05\]/0.06]/' sweep.yaml >other.yaml
 "$perihom" campaign other.yaml -o one -q 2>err

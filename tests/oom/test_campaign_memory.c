@@ -17,7 +17,8 @@ static const char text[] =
     "campaign: 1\ncase: random.yaml\nset: {materials.epoxy.E: 3}\n"
     "sweep: {materials.clay.E: [50, 178]}\nzip: {model.horizon: [2, 3]}\n"
     "realisations: {at_most: 50, until: {quantity: C11, half_width: 0.1}}\n"
-    "outputs: [C11, fraction.clay]\n";
+    "outputs: [C11, fraction.clay]\n"
+    "variance_reduction: {levels: [{solver.tolerance: 0.1}, fillers]}\n";
 
 static int remove_one(const char *path, const struct stat *s, int flag, struct FTW *f)
 {
