@@ -43,6 +43,7 @@
 #include <perihom/quantity.h>
 #include <perihom/relaxation.h>
 #include <perihom/shift.h>
+#include <perihom/superelement.h>
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>
