@@ -63,6 +63,30 @@ static void fibres_of_one_direction(void **state)
     CHECK_END();
 }
 
+/* Arcs of 90 degrees about axis 1: <cos^2> = 1/2 + sin(a) / (2 a), a = pi / 2. Their pieces
+ * turn by less than 10 degrees: the polygon is within 1 %. */
+static void arcs(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_case *c =
+        parse("{shape: platelet, material: f, count: 3, thickness: 1, length: 60, "
+              "curvature: {arc_angle: 90}, orientation: {aligned: {axis: [1, 0], "
+              "spread: 0}}, counting: area}",
+              2, 100, 0);
+    ph_packing *p = NULL;
+    ph_microstructure *m = NULL;
+    double x[PH_RVE_DESCRIPTORS];
+    generate(c, &p, &m);
+    CHECK_OK(ph_rve_describe(c, p, m, x, &err));
+    CHECK(p->nsolids > 3 * 4);
+    CHECK_REL(x[3] / x[2], 0.5 + 1 / 3.14159265358979, 0.01);
+    ph_packing_free(&p);
+    ph_microstructure_free(&m);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
 /* Disks have no direction; in 3D the traces of the moments are one. */
 static void counts_and_traces(void **state)
 {
@@ -160,6 +184,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fibres_of_one_direction),
+        cmocka_unit_test(arcs),
         cmocka_unit_test(counts_and_traces),
         cmocka_unit_test(the_same_fillers_on_other_grids),
         cmocka_unit_test(the_key),
