@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "effective/complex_map.h"
 
+#include "core/complex.h"
 #include "effective/directions.h"
 
-#include <complex.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ typedef double complex cplx;
 
 static cplx entry(const ph_complex_tensor *c, int i, int j)
 {
-    return CMPLX(c->re.m[i][j], c->im.m[i][j]);
+    return ph_i_complex(c->re.m[i][j], c->im.m[i][j]);
 }
 
 /* R = M^-1 by cofactors, d = 2 or 3; false where it is not finite. */
@@ -119,7 +119,7 @@ ph_status ph_i_complex_map_new(ph_relaxing_map *relax, ph_complex_map **out,
     PH_ALLOC(m, 1, "complex tensors");
     m->relax = relax;
     m->loss.index = relax->mixed.index;
-    m->reserved = (size_t)(relax->map->count * relax->map->ns * relax->map->ns);
+    m->reserved = (size_t)relax->map->count * (size_t)(relax->map->ns * relax->map->ns);
     PH_DOUBLES(m->loss.c, relax->meter, m->reserved, "loss tensors");
     PH_ALLOC(m->loss.hooke, relax->map->count, "loss tensors");
     PH_ALLOC(m->weight, relax->ntimes, "weights of the branches");

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "effective/frequency.h"
 
+#include "core/complex.h"
 #include "effective/relaxing_bonds.h"
 #include "solve/cocg.h"
 
-#include <complex.h>
 #include <math.h>
 #include <string.h>
 
@@ -178,10 +178,10 @@ static ph_status means(sweep *s, const double *macro, cplx *stress, cplx *strain
         PH_TRY(ph_i_operator_sums(r->op, s->u[imaginary], imaginary ? NULL : macro,
                                   r->setting.region, a, e, &w, err));
         const int turns = loss + imaginary; /* i for each */
-        const cplx factor = CMPLX(turns == 0   ? 1.0 / n
-                                  : turns == 2 ? -1.0 / n
-                                               : 0.0,
-                                  turns == 1 ? 1.0 / n : 0.0);
+        const cplx factor = ph_i_complex(turns == 0   ? 1.0 / n
+                                         : turns == 2 ? -1.0 / n
+                                                      : 0.0,
+                                         turns == 1 ? 1.0 / n : 0.0);
         for (int i = 0; i < r->map->ns; i++) {
             stress[i] += factor * a[i];
             if (!loss) strain[i] += factor * e[i];
