@@ -103,3 +103,8 @@ $ perihom run relaxing.yaml --set viscoelastic.route=stepping --set 'viscoelasti
 $ perihom run relaxing.yaml --set viscoelastic.route=frequency --set 'viscoelastic.frequencies=[1]' --json -q -o freq > out 2> said; json_get solver.converged < out; head -1 freq/dynamic.csv
 > true
 > omega,C11_storage,C11_loss,C12_storage,C12_loss,C16_storage,C16_loss,C22_storage,C22_loss,C26_storage,C26_loss,C66_storage,C66_loss
+
+# A modulus that drowns in the residual is an error: 1e-8 of the stiff phase, solved to 1e-6.
+$ perihom run relaxing.yaml --set viscoelastic.route=frequency --set 'materials.matrix={nu: 0.38, E: {infinity: 0, terms: [{modulus: 17, time: 1}]}}' --set 'viscoelastic.frequencies=[1e-8]' --set viscoelastic.tolerance=1e-4 -q -o drowned 2> said; echo $?; grep -c 'frequency 1e-08: .*ask for a lower solver.tolerance' said; test ! -e drowned/result.json
+> 4
+> 1
