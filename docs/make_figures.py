@@ -839,6 +839,17 @@ def tutorial():
             (Path(folder) / "voxels/phases.png").read_bytes())
 
 
+@figure
+def failure():
+    for case in ("edge-crack", "debonding-fibre"):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([ARGS.perihom, "run", ROOT / f"data/cases/{case}.yaml", "-q", "-o",
+                            "result"], check=True, stdout=subprocess.DEVNULL, cwd=folder)
+            for name in ("damage.png", "stress-strain.svg"):
+                (PICTURES / f"failure-{case}-{name}").write_bytes(
+                    (Path(folder) / "result" / name).read_bytes())
+
+
 # ---- main ------------------------------------------------------------------------------
 
 def main():
