@@ -6,6 +6,8 @@
 #include "oom/countdown.h"
 #include "random_cases.h"
 
+#include <math.h>
+
 typedef struct world {
     ph_problem problem;
     ph_result *result;
@@ -152,6 +154,49 @@ static void cracks(void **state)
     CHECK_END();
 }
 
+/* A loading that breaks bonds, with scatter and a crack; springs and states. */
+static void failure(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"bond", "nosb"};
+    static const double to[] = {0.5};
+    for (int i = 0; i < 2; i++) {
+        ph_error err = PH_ERROR_INIT;
+        ptrdiff_t n[2] = {6, 6};
+        double size[2] = {1, 1}, v[2][3] = {{0.2, 0.55, 0}, {0.6, 0.55, 0}};
+        ph_grid g;
+        ph_material m;
+        ph_microstructure *micro = NULL;
+        ph_cracks c = {0};
+        CHECK_OK(ph_material_isotropic("m", 1.0, 1.0 / 3, &m, &err));
+        CHECK_OK(ph_grid_init(&g, PH_PLANE_STRESS, n, size, &err));
+        CHECK_OK(ph_microstructure_new(&g, 1, &m, &micro, &err));
+        CHECK_OK(ph_cracks_add_line(&c, 2, (const double(*)[3])v, &err));
+        const ph_failure_rule rule = {
+            .given = true, .value = (double)NAN, .fracture_energy = 1e-4, .weibull = 9.0};
+        const ph_failure f = {.material = &rule};
+        const ph_loading l = {.strain = {0, 1, 0},
+                              .ntargets = 1,
+                              .to = to,
+                              .steps = 2,
+                              .window = 1.0,
+                              .stiffness_every = 1};
+        world w = {.problem = {.micro = micro,
+                               .model = {.kind = kinds[i], .horizon = 1.5},
+                               .solver = {.tolerance = 1e-3},
+                               .cracks = &c,
+                               .failure = &f,
+                               .loading = &l}};
+        CHECK_OK(call(&w, &err));
+        CHECK(w.result && w.result->failure->nevents > 1);
+        ph_result_free(&w.result);
+        if (check_failures == 0) countdown_run("failure", call, untouched, done, &w);
+        ph_microstructure_free(&micro);
+        ph_cracks_free(&c);
+    }
+    CHECK_END();
+}
+
 /* More materials than the fractions have room for without memory of their own. */
 static void many_materials(void **state)
 {
@@ -181,6 +226,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_allocation_fails),
         cmocka_unit_test(cracks),
+        cmocka_unit_test(failure),
         cmocka_unit_test(many_materials),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
