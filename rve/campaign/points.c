@@ -146,10 +146,15 @@ static ph_status resolve(ph_i_reader *r, const ph_i_sweep *sweep, int point,
         goto out;
     }
     if (read == PH_OK) {
+        int judged = c->judged >= 0 ? c->judged : 0;
         check_outputs(r, c, point);
         PH_TRY(hash_point(c, point, err));
         PH_TRY(ph_i_levels_resolve(levels, point, (const char *const *)sets->item,
                                    sets->count, c, &issues, err));
+        const char *no = ph_campaign_no_grid(c, point, judged);
+        if (c->relative_error > 0 && issues.count == 0 && no)
+            ph_i_complain_line(r, 0, "point %d: realisations.until.relative_error: %s",
+                               point, no);
     }
     hand_on(r, &issues, c, point);
 out:
