@@ -40,6 +40,11 @@ typedef struct ph_evaluation {
  *  1e3 or a void (then entries are refined with the fields of all loads), or
  *  uniform_traction, whose compliance is inverted as a whole. */
 PH_API unsigned ph_scenario_loads(const ph_scenario *scenario);
+/** May realisations of the case have the output: does its kinematics have the quantity, and the
+ *  case the material of a fraction?
+ *  @return PH_OK; PH_EINVAL with the reason. Tested: tests/unit/test_scenario.c */
+PH_API ph_status ph_scenario_admits(const ph_case *c, const ph_quantity *output,
+                                    ph_error *err);
 
 /** Build the microstructure of the realisation, solve the loads that the outputs need, and
  *  read the outputs off.
@@ -247,7 +252,8 @@ PH_API ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params 
 PH_API ph_status ph_campaign_merge(const ph_campaign *c, const char *folder,
                                    const char *const *from, size_t nfrom,
                                    ph_campaign_result **out, ph_error *err);
-/** Only sum up what is there. */
+/** Only sum up what is there. @return as ph_campaign_run; PH_EIO where nothing is there, and
+ *  no folder is made */
 PH_API ph_status ph_campaign_summarise(const ph_campaign *c, const char *folder,
                                        ph_campaign_result **out, ph_error *err);
 /** The document of schema perihom.campaign/1 (docs/campaigns.md), malloc'd: the same bytes

@@ -62,10 +62,23 @@ static const char *short_key(const char *key)
     return dot ? dot + 1 : key;
 }
 
+/* With the part before it where another key ends alike: clay.E, epoxy.E. */
+static const char *name_of_key(const ph_campaign *c, int key)
+{
+    const char *name = short_key(c->key[key]), *from = name;
+    bool alone = true;
+    for (int k = 0; k < c->nkeys; k++)
+        if (k != key && strcmp(short_key(c->key[k]), name) == 0) alone = false;
+    if (alone || name == c->key[key]) return name;
+    for (from--; from > c->key[key] && from[-1] != '.';)
+        from--;
+    return from;
+}
+
 static void put_head(FILE *to, const ph_campaign *c)
 {
     for (int k = 0; k < c->nkeys; k++)
-        fprintf(to, "%16s ", short_key(c->key[k]));
+        fprintf(to, "%16s ", name_of_key(c, k));
     fprintf(to, "%8s ", "n");
     for (int k = 0; k < c->noutputs; k++)
         fprintf(to, "%14s %9s ", c->output[k].name, "+-");

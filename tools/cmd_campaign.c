@@ -127,6 +127,9 @@ static int check_usage(const campaign_options *o, ph_campaign_params *p)
     if (code < 0 && o->merge + o->rebuild + (o->shard != NULL) > 1)
         code = options_usage_error(&campaign_verb,
                                    "only one of --shard, --merge and --rebuild");
+    if (code < 0 && (o->jobs > 256 || o->threads > 1024))
+        code = options_usage_error(
+            &campaign_verb, "--jobs up to 256 and --threads up to 1024 are admissible");
     if (code < 0 && o->operands.count > 1 && !o->merge)
         code = options_usage_error(&campaign_verb, "one campaign at a time");
     return code;
@@ -159,11 +162,16 @@ static ph_status merge(campaign *m, ph_error *err)
     if (operands->count > 1)
         return ph_campaign_merge(m->c, m->dir, operands->item + 1, operands->count - 1,
                                  &m->result, err);
-    char pattern[DESTINATION_PATH + 16];
+    char pattern[2 * DESTINATION_PATH + 16];
+    size_t n = 0;
     glob_t found = {0};
-    snprintf(pattern, sizeof pattern, "%s/shard-*-of-*", m->dir);
-    PH_CHECK(glob(pattern, 0, NULL, &found) == 0, PH_EIO, "there is no %s to merge",
-             pattern);
+    for (const char *at = m->dir; *at; at++) { /* its letters stand for themselves */
+        if (strchr("*?[]\\", *at)) pattern[n++] = '\\';
+        pattern[n++] = *at;
+    }
+    snprintf(pattern + n, sizeof pattern - n, "/shard-*-of-*");
+    PH_CHECK(glob(pattern, 0, NULL, &found) == 0, PH_EIO,
+             "there is no %s/shard-*-of-* to merge", m->dir);
     PH_TRY(ph_campaign_merge(m->c, m->dir, (const char *const *)found.gl_pathv,
                              found.gl_pathc, &m->result, err));
 out:

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "effective/complex_map.h"
 
+#include "core/complex.h"
 #include "effective/directions.h"
 
-#include <complex.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ typedef double complex cplx;
 
 static cplx entry(const ph_complex_tensor *c, int i, int j)
 {
-    return CMPLX(c->re.m[i][j], c->im.m[i][j]);
+    return ph_i_complex(c->re.m[i][j], c->im.m[i][j]);
 }
 
 /* R = M^-1 by cofactors, d = 2 or 3; false where it is not finite. */
@@ -119,7 +119,7 @@ ph_status ph_i_complex_map_new(ph_relaxing_map *relax, ph_complex_map **out,
     PH_ALLOC(m, 1, "complex tensors");
     m->relax = relax;
     m->loss.index = relax->mixed.index;
-    m->reserved = (size_t)(relax->map->count * relax->map->ns * relax->map->ns);
+    m->reserved = (size_t)relax->map->count * (size_t)(relax->map->ns * relax->map->ns);
     PH_DOUBLES(m->loss.c, relax->meter, m->reserved, "loss tensors");
     PH_ALLOC(m->loss.hooke, relax->map->count, "loss tensors");
     PH_ALLOC(m->weight, relax->ntimes, "weights of the branches");
@@ -144,13 +144,12 @@ void ph_i_complex_map_free(ph_complex_map **map)
     *map = NULL;
 }
 
-/* x^2/(1+x^2) and x/(1+x^2), x = omega tau, which may overflow. */
-static double storage_weight(double x)
+double ph_i_storage_weight(double x)
 {
     return x > 1.0 ? 1.0 / (1.0 + 1.0 / x / x) : x * x / (1.0 + x * x);
 }
 
-static double loss_weight(double x)
+double ph_i_loss_weight(double x)
 {
     return x > 1.0 ? 1.0 / (x + 1.0 / x) : x / (1.0 + x * x);
 }
@@ -169,14 +168,14 @@ ph_status ph_i_complex_map_set(ph_complex_map *m, double omega, bool measure,
     ph_status st = PH_OK;
     ph_relaxing_map *r = m->relax;
     for (int k = 0; k < r->ntimes; k++)
-        m->weight[k] = storage_weight(omega * r->time[k]) +
-                       (measure ? loss_weight(omega * r->time[k]) : 0.0);
+        m->weight[k] = ph_i_storage_weight(omega * r->time[k]) +
+                       (measure ? ph_i_loss_weight(omega * r->time[k]) : 0.0);
     m->stabilise[0] = ph_i_relaxing_stabilisation(r, 1.0, m->weight);
     if (measure) return ph_i_relaxing_map_mixed(r, 1.0, m->weight, err);
     for (int p = 0; p < r->materials; p++)
         m->phase[p].re = ph_i_relaxing_phase(r, p, 1.0, m->weight);
     for (int k = 0; k < r->ntimes; k++)
-        m->weight[k] = loss_weight(omega * r->time[k]);
+        m->weight[k] = ph_i_loss_weight(omega * r->time[k]);
     m->stabilise[1] = ph_i_relaxing_stabilisation(r, 0.0, m->weight);
     for (int p = 0; p < r->materials; p++) {
         m->phase[p].im = ph_i_relaxing_phase(r, p, 0.0, m->weight);

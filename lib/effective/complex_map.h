@@ -10,6 +10,10 @@ typedef struct ph_complex_tensor {
     ph_sym4 re, im;
 } ph_complex_tensor;
 
+/** x^2/(1+x^2) and x/(1+x^2), x = omega tau, which may overflow. */
+double ph_i_storage_weight(double x);
+double ph_i_loss_weight(double x);
+
 /** ph_sym4_laminate of complex tensors, neither of them void.
  *  @return PH_OK; PH_ESINGULAR */
 ph_status ph_i_complex_laminate(const ph_complex_tensor *c1, const ph_complex_tensor *c2,

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "effective/frequency.h"
 
+#include "core/complex.h"
+#include "effective/relaxing_bonds.h"
 #include "solve/cocg.h"
 
-#include <complex.h>
 #include <math.h>
 #include <string.h>
 
@@ -17,6 +18,9 @@ typedef struct sweep {
     ph_run *run;
     ph_relaxing_map *relax;
     ph_complex_map *map;
+    ph_relaxing_bonds
+        *bonds;     /* of model bond, or NULL: its own springs store, slot 0 loses */
+    double *weight; /* of the times of the bonds */
     void *state;    /* of fft_cg */
     ph_linear real; /* its system */
     double *own[4]; /* its vectors: the real parts */
@@ -36,6 +40,8 @@ static void clear(sweep *s)
     for (int i = 0; i < 2; i++)
         ph_i_doubles_free(m, &s->u[i], s->unknowns);
     ph_i_fft_cg_free(&s->state);
+    ph_i_relaxing_bonds_free(&s->bonds);
+    free(s->weight);
     ph_i_operator_stabilise(s->run->op, 1.0);
     ph_i_complex_map_free(&s->map);
     ph_i_relaxing_map_free(&s->relax);
@@ -47,14 +53,32 @@ static ph_status new_sweep(sweep *s, ph_error *err)
     ph_run *r = s->run;
     ph_meter *m = &r->meter;
     const char *no = ph_i_fft_cg_refuses(&r->system);
-    PH_CHECK(!r->op->springs, PH_EINVAL, "frequency does not take model bond");
     PH_CHECK(!no, PH_EINVAL, "frequency cannot take this case: %s", no);
     if (r->state) r->solver->free(&r->state);
     PH_TRY(ph_i_relaxing_map_new(r->map, r->problem->micro, r->soft, m, &s->relax, err));
     PH_TRY(ph_i_complex_map_new(s->relax, &s->map, err));
+    if (r->op->springs) {
+        PH_TRY(ph_i_relaxing_bonds_new(r->op, r->classes, r->problem->micro, 1, &s->bonds,
+                                       err));
+        PH_ALLOC(s->weight, s->bonds->ntimes, "weights of the branches");
+    }
     s->unknowns = (size_t)(r->op->layout.nd * r->op->layout.cells);
     for (int i = 0; i < 2; i++)
         PH_DOUBLES(s->u[i], m, s->unknowns, "a complex displacement");
+out:
+    return st;
+}
+
+static ph_status set_bonds(sweep *s, double omega, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_relaxing_bonds *b = s->bonds;
+    for (int loss = 0; loss < 2; loss++) {
+        for (int k = 0; k < b->ntimes; k++)
+            s->weight[k] = loss ? ph_i_loss_weight(omega * b->time[k])
+                                : ph_i_storage_weight(omega * b->time[k]);
+        PH_TRY(ph_i_relaxing_bonds_make(b, loss - 1, loss ? 0.0 : 1.0, s->weight, err));
+    }
 out:
     return st;
 }
@@ -65,8 +89,9 @@ static ph_status set_frequency(sweep *s, double omega, ph_error *err)
     ph_status st = PH_OK;
     ph_run *r = s->run;
     PH_TRY(ph_i_complex_map_set(s->map, omega, true, err));
+    if (s->bonds) PH_TRY(set_bonds(s, omega, err));
     ph_i_fft_cg_free(&s->state);
-    ph_i_operator_stabilise(r->op, s->map->stabilise[0]);
+    if (!s->bonds) ph_i_operator_stabilise(r->op, s->map->stabilise[0]);
     PH_TRY(ph_i_fft_cg_init(&r->system, &s->state, err));
     ph_i_fft_cg_parts(s->state, &s->real, s->own);
     s->size = ph_i_space_size(s->real.space);
@@ -81,7 +106,10 @@ out:
 static void show(sweep *s, bool loss)
 {
     ph_i_complex_map_show(s->map, loss);
-    ph_i_operator_stabilise(s->run->op, s->map->stabilise[loss]);
+    if (s->bonds)
+        ph_i_relaxing_bonds_show(s->bonds, loss ? 0 : -1);
+    else
+        ph_i_operator_stabilise(s->run->op, s->map->stabilise[loss]);
 }
 
 static void apply(void *self, bool loss, const double *p, double *q)
@@ -150,10 +178,10 @@ static ph_status means(sweep *s, const double *macro, cplx *stress, cplx *strain
         PH_TRY(ph_i_operator_sums(r->op, s->u[imaginary], imaginary ? NULL : macro,
                                   r->setting.region, a, e, &w, err));
         const int turns = loss + imaginary; /* i for each */
-        const cplx factor = CMPLX(turns == 0   ? 1.0 / n
-                                  : turns == 2 ? -1.0 / n
-                                               : 0.0,
-                                  turns == 1 ? 1.0 / n : 0.0);
+        const cplx factor = ph_i_complex(turns == 0   ? 1.0 / n
+                                         : turns == 2 ? -1.0 / n
+                                                      : 0.0,
+                                         turns == 1 ? 1.0 / n : 0.0);
         for (int i = 0; i < r->map->ns; i++) {
             stress[i] += factor * a[i];
             if (!loss) strain[i] += factor * e[i];

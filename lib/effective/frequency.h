@@ -27,7 +27,7 @@ typedef struct ph_complex_modulus {
 /** All loads at the frequencies asked for.
  *  @param[in] run   built (ph_i_run_build); its map is changed, its solver is made anew
  *  @param[in] omega [n] > 0, finite
- *  @return PH_OK; PH_EINVAL (model bond, families cut at the faces, frequency); PH_ENOCONV;
+ *  @return PH_OK; PH_EINVAL (families cut at the faces, frequency); PH_ENOCONV;
  *          PH_ESINGULAR; PH_ENOMEM; PH_ECANCELLED */
 ph_status ph_i_frequency(ph_run *run, double tolerance, int n, const double *omega,
                          ph_complex_modulus *out, ph_error *err);

@@ -47,13 +47,34 @@ out:
     return st;
 }
 
+/* Every part of the moduli a set of springs: what a part has does not change with dt. */
+static ph_status use_bonds(ph_stepper *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    double *weight = NULL;
+    ph_run *r = s->run;
+    PH_TRY(ph_i_relaxing_bonds_new(r->op, r->classes, r->problem->micro, -1, &s->bonds,
+                                   err));
+    s->ntimes = s->bonds->ntimes;
+    s->tau = s->bonds->time;
+    PH_ALLOC(weight, s->ntimes, "weights of the parts");
+    for (int m = 0; m <= s->ntimes; m++) {
+        if (m > 0) weight[m - 1] = 0.0;
+        if (m < s->ntimes) weight[m] = 1.0;
+        PH_TRY(ph_i_relaxing_bonds_make(s->bonds, m, m < s->ntimes ? 0.0 : 1.0, weight,
+                                        err));
+    }
+out:
+    free(weight);
+    return st;
+}
+
 ph_status ph_i_stepper_new(ph_run *run, double tolerance, ph_stepper **out, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_stepper *s = NULL;
     ph_meter *m = &run->meter;
     *out = NULL;
-    PH_CHECK(!run->op->springs, PH_EINVAL, "stepping does not take model bond");
     PH_ALLOC(s, 1, "the stepper");
     s->run = run;
     s->tolerance = tolerance;
@@ -63,6 +84,9 @@ ph_status ph_i_stepper_new(ph_run *run, double tolerance, ph_stepper **out, ph_e
     PH_TRY(ph_i_relaxing_map_new(run->map, run->problem->micro, run->soft, m, &s->relax,
                                  err));
     s->ntimes = s->relax->ntimes;
+    s->tau = s->relax->time;
+    PH_ALLOC(s->map_weight, s->relax->ntimes, "weights of a step");
+    if (run->op->springs) PH_TRY(use_bonds(s, err));
     PH_TRY(
         ph_i_cut_points_new(&run->setting.box, &run->params, s->relax, m, &s->cuts, err));
     PH_TRY(new_block(s, err));
@@ -91,10 +115,12 @@ void ph_i_stepper_free(ph_stepper **stepper)
     ph_i_doubles_free(m, &s->residual, (size_t)s->unknowns);
     ph_i_doubles_free(m, &s->work, (size_t)s->unknowns);
     ph_i_cut_points_free(&s->cuts);
+    ph_i_relaxing_bonds_free(&s->bonds);
     ph_i_relaxing_map_free(&s->relax);
     free(s->decay);
     free(s->ramp);
     free(s->weight);
+    free(s->map_weight);
     free(s->part);
     free(s);
     *stepper = NULL;
@@ -133,6 +159,10 @@ static ph_cut_state cut_state(const ph_stepper *s)
 /* Show the tensors of a part: branch m, or C_inf (m = ntimes), with its share of (S). */
 static void show_part(ph_stepper *s, int m)
 {
+    if (s->bonds) {
+        ph_i_relaxing_bonds_show(s->bonds, m);
+        return;
+    }
     memset(s->weight, 0, sizeof(double) * (size_t)s->ntimes);
     if (m < s->ntimes) s->weight[m] = 1.0;
     ph_i_relaxing_map_whole(s->relax, m < s->ntimes ? 0.0 : 1.0, s->weight);
@@ -143,8 +173,11 @@ static void show_part(ph_stepper *s, int m)
 static void show_tangent(ph_stepper *s)
 {
     ph_i_relaxing_map_again(s->relax);
-    ph_i_operator_stabilise(s->run->op,
-                            ph_i_relaxing_stabilisation(s->relax, 1.0, s->ramp));
+    if (s->bonds)
+        ph_i_relaxing_bonds_show(s->bonds, -1);
+    else
+        ph_i_operator_stabilise(s->run->op,
+                                ph_i_relaxing_stabilisation(s->relax, 1.0, s->ramp));
 }
 
 static double norm(const ph_stepper *s, const double *f)
@@ -205,8 +238,7 @@ static ph_status measure(ph_stepper *s, ph_error *err)
             part[i] /= n;
         s->part_energy += e.mean + e.modes + e.stabilisation;
         if (!total)
-            s->part_dissipation +=
-                (e.mean + e.modes + e.stabilisation) / s->relax->time[m];
+            s->part_dissipation += (e.mean + e.modes + e.stabilisation) / s->tau[m];
         for (int i = 0; total && i < s->ns; i++)
             s->mean_strain[i] = strain[i] / n;
     }
@@ -250,14 +282,20 @@ static ph_status set_tangent(ph_stepper *s, double dt, ph_error *err)
     ph_status st = PH_OK;
     ph_run *r = s->run;
     for (int m = 0; m < s->ntimes; m++) {
-        s->decay[m] = ph_i_step_decay(dt / s->relax->time[m]);
-        s->ramp[m] = ph_i_step_ramp(dt / s->relax->time[m]);
+        s->decay[m] = ph_i_step_decay(dt / s->tau[m]);
+        s->ramp[m] = ph_i_step_ramp(dt / s->tau[m]);
     }
     s->dt = dt;
     if (dt == s->tangent_dt) return PH_OK;
     s->tangent_dt = (double)NAN;
-    PH_TRY(ph_i_relaxing_map_mixed(s->relax, 1.0, s->ramp, err));
-    r->map->softest = r->softness * ph_i_relaxing_stabilisation(s->relax, 1.0, s->ramp);
+    for (int m = 0; m < s->relax->ntimes; m++)
+        s->map_weight[m] = ph_i_step_ramp(dt / s->relax->time[m]);
+    PH_TRY(ph_i_relaxing_map_mixed(s->relax, 1.0, s->map_weight, err));
+    if (s->bonds)
+        PH_TRY(ph_i_relaxing_bonds_make(s->bonds, -1, 1.0, s->ramp, err));
+    else
+        r->map->softest =
+            r->softness * ph_i_relaxing_stabilisation(s->relax, 1.0, s->ramp);
     show_tangent(s);
     if (r->state) r->solver->free(&r->state);
     PH_TRY(r->solver->init(&r->system, &r->state, err));
@@ -476,38 +514,71 @@ static double bending(double x)
     return 1.0 + expm1(-x) * (1.0 / x + 0.5);
 }
 
-/* Tensors that make a stress of the bending of strains over the step. */
-static void show_bending(ph_stepper *s)
+/* Weight of branch m that makes a stress of the bending of strains over the step. */
+static double bending_weight(const ph_stepper *s, int m)
 {
-    const double before = *s->last_dt;
+    return 2.0 * s->tau[m] / (s->dt + *s->last_dt) * bending(s->dt / s->tau[m]);
+}
+
+/* Stress sums [ns] and forces, in `residual`, of the bent strains of `work` and macro, by
+ * the tensors that are shown; added. */
+static ph_status add_bending(ph_stepper *s, const double *macro, double weight,
+                             double *stress, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_operator *op = s->run->op;
+    double part[6], strain[6];
+    ph_cell_energy e;
+    PH_TRY(ph_i_operator_sums(op, s->work, macro, s->run->setting.region, part, strain,
+                              &e, err));
+    for (int i = 0; i < s->ns; i++)
+        stress[i] += weight * part[i];
+    ph_i_operator_apply(op, s->work, op->f);
+    for (ptrdiff_t x = 0; x < s->unknowns; x++)
+        s->residual[x] -= weight * op->f[x];
+    ph_i_operator_load(op, macro, op->f);
+    for (ptrdiff_t x = 0; x < s->unknowns; x++)
+        s->residual[x] += weight * op->f[x];
+out:
+    return st;
+}
+
+static ph_status bend(ph_stepper *s, const double *macro, double *stress, ph_error *err)
+{
+    ph_status st = PH_OK;
+    memset(s->residual, 0, sizeof(double) * (size_t)s->unknowns);
     for (int m = 0; m < s->ntimes; m++)
-        s->weight[m] = 2.0 * s->relax->time[m] / (s->dt + before) *
-                       bending(s->dt / s->relax->time[m]);
-    ph_i_relaxing_map_whole(s->relax, 0.0, s->weight);
-    ph_i_relaxing_map_fill_cuts(s->relax);
-    ph_i_operator_stabilise(s->run->op, 0.0);
+        s->weight[m] = bending_weight(s, m);
+    if (!s->bonds) {
+        ph_i_relaxing_map_whole(s->relax, 0.0, s->weight);
+        ph_i_relaxing_map_fill_cuts(s->relax);
+        ph_i_operator_stabilise(s->run->op, 0.0);
+        PH_TRY(add_bending(s, macro, 1.0, stress, err));
+    }
+    for (int m = 0; s->bonds && m < s->ntimes; m++) {
+        ph_i_relaxing_bonds_show(s->bonds, m);
+        PH_TRY(add_bending(s, macro, s->weight[m], stress, err));
+    }
+out:
+    ph_i_relaxing_map_empty_cuts(s->relax);
+    show_tangent(s);
+    return st;
 }
 
 /* What the medium makes of the forces of that stress, in `work`; a rough solve will do. */
-static ph_status answer_bending(ph_stepper *s, const double *macro, ph_error *err)
+static ph_status answer_bending(ph_stepper *s, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_run *r = s->run;
     ph_cg_report report = {
         .tolerance = 0.1, .max_iterations = 100, .ctx = r->ctx, .load = 1, .loads = 1};
-    ph_i_operator_apply(r->op, s->work, s->residual);
-    ph_i_operator_load(r->op, macro, s->work);
-    for (ptrdiff_t x = 0; x < s->unknowns; x++)
-        s->residual[x] = s->work[x] - s->residual[x];
-    show_tangent(s);
     memset(s->work, 0, sizeof(double) * (size_t)s->unknowns);
-    if (norm(s, s->residual) > s->tolerance * s->reference) {
-        st = r->solver->solve(r->state, s->residual, s->work, &report, err);
-        if (st == PH_ENOCONV && err) *err = (ph_error)PH_ERROR_INIT;
-        if (st == PH_ENOCONV) st = PH_OK;
-        s->iterations += report.iterations;
-        s->solves++;
-    }
+    if (norm(s, s->residual) <= s->tolerance * s->reference) return PH_OK;
+    st = r->solver->solve(r->state, s->residual, s->work, &report, err);
+    if (st == PH_ENOCONV && err) *err = (ph_error)PH_ERROR_INIT;
+    if (st == PH_ENOCONV) st = PH_OK;
+    s->iterations += report.iterations;
+    s->solves++;
     return st;
 }
 
@@ -515,8 +586,8 @@ ph_status ph_i_stepper_error(ph_stepper *s, unsigned bends, double *error, ph_er
 {
     ph_status st = PH_OK;
     ph_run *r = s->run;
-    double stress[6], more[6] = {0}, strain[6], macro[6] = {0}, zero[6] = {0}, sum = 0.0;
-    double before = *s->last_dt;
+    double stress[6] = {0}, more[6] = {0}, strain[6], macro[6] = {0}, sum = 0.0;
+    const double zero[6] = {0}, before = *s->last_dt;
     ph_cell_energy e;
     *error = 0.0;
     if (before <= 0.0 || s->dt <= 0.0) return PH_OK;
@@ -524,11 +595,9 @@ ph_status ph_i_stepper_error(ph_stepper *s, unsigned bends, double *error, ph_er
         s->work[x] = s->du[x] - s->dt / before * s->last[x];
     for (int i = 0; i < s->ns; i++)
         if (bends >> i & 1) macro[i] = s->dmacro[i] - s->dt / before * s->last_macro[i];
-    show_bending(s);
-    PH_TRY(ph_i_operator_sums(r->op, s->work, macro, r->setting.region, stress, strain,
-                              &e, err));
+    PH_TRY(bend(s, macro, stress, err));
     if (!r->constraint->by_stress) { /* whose stress no error of the medium can change */
-        PH_TRY(answer_bending(s, macro, err));
+        PH_TRY(answer_bending(s, err));
         PH_TRY(ph_i_operator_sums(r->op, s->work, zero, r->setting.region, more, strain,
                                   &e, err));
     }
@@ -536,8 +605,6 @@ ph_status ph_i_stepper_error(ph_stepper *s, unsigned bends, double *error, ph_er
         sum += (stress[i] + more[i]) * (stress[i] + more[i]);
     *error = sqrt(sum) / (double)r->setting.averaged;
 out:
-    ph_i_relaxing_map_empty_cuts(s->relax);
-    show_tangent(s);
     return st;
 }
 

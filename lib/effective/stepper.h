@@ -24,6 +24,7 @@
 #define PH_EFFECTIVE_STEPPER_H
 
 #include "effective/cut_points.h"
+#include "effective/relaxing_bonds.h"
 #include "effective/run.h"
 
 #include <string.h>
@@ -44,8 +45,11 @@ typedef struct ph_step_state {
 typedef struct ph_stepper {
     ph_run *run; /* operator, solver, constraint; borrowed */
     ph_relaxing_map *relax;
-    ph_cut_points *cuts; /* or NULL */
-    double tolerance;    /* of the residual, relative to the forces of the parts */
+    ph_cut_points *cuts;      /* or NULL */
+    ph_relaxing_bonds *bonds; /* of model bond, or NULL */
+    const double *tau;        /* [ntimes] relaxation times */
+    double *map_weight;       /* of the times of `relax` */
+    double tolerance;         /* of the residual, relative to the forces of the parts */
     int ns, ntimes;
     ptrdiff_t unknowns; /* nd * cells */
 
@@ -73,7 +77,7 @@ typedef struct ph_stepper {
 
 /** A medium at rest. `run` is built (ph_i_run_build) and keeps its map, whose tensors the
  *  stepper changes; its solver is made anew with each tangent.
- *  @return PH_OK; PH_EINVAL (model bond); PH_ENOMEM */
+ *  @return PH_OK; PH_EUNPHYSICAL (bonds of a phase whose Poisson's ratio moves); PH_ENOMEM */
 ph_status ph_i_stepper_new(ph_run *run, double tolerance, ph_stepper **out,
                            ph_error *err);
 void ph_i_stepper_free(ph_stepper **stepper);

@@ -5,9 +5,14 @@
 #include <string.h>
 
 static const double default_tolerance = 1e-4;
-/* Share of the tolerance that one step may take: errors of steps add up over the time that
- * the medium remembers. Measured: docs/theory/viscoelastic-routes.md. */
-static const double share_of_step = 0.05;
+/* A step may be off by (2.5 tolerance)^(3/2): errors of steps add up over the time that the
+ * medium remembers, whose number of steps grows with the cube root of that error. Measured,
+ * docs/theory/viscoelastic-routes.md: the sum is 0.2 of its power 2/3. */
+static double error_of_step(double tolerance)
+{
+    return fmin(0.1, pow(2.5 * tolerance, 1.5));
+}
+
 /* Stress below this share of the largest so far need not be resolved relative to itself. */
 static const double least_stress = 1e-3;
 enum { CORRECTIONS = 40, DEFAULT_STEPS = 1000000 };
@@ -273,7 +278,6 @@ out:
 static ph_status begin(march *m, const ph_stepping_params *p, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_relaxing_map *relax = m->s->relax;
     static const ph_stepping_params defaults;
     if (!p) p = &defaults;
     PH_CHECK(p->tolerance >= 0.0 && p->tolerance < 1.0 && p->fixed >= 0.0 &&
@@ -281,11 +285,10 @@ static ph_status begin(march *m, const ph_stepping_params *p, ph_error *err)
                  p->most_steps >= 0,
              PH_EINVAL, "stepping: tolerance %g, step %g, first step %g, %ld steps",
              p->tolerance, p->fixed, p->shortest, p->most_steps);
-    m->tolerance =
-        share_of_step * (p->tolerance > 0.0 ? p->tolerance : default_tolerance);
+    m->tolerance = error_of_step(p->tolerance > 0.0 ? p->tolerance : default_tolerance);
     m->fixed = p->fixed;
     m->first = p->shortest > 0.0 ? p->shortest
-               : relax->ntimes   ? 0.05 * relax->time[0]
+               : m->s->ntimes    ? 0.05 * m->s->tau[0]
                                  : (double)INFINITY;
     m->most = p->most_steps > 0 ? p->most_steps : DEFAULT_STEPS;
     m->dt = m->first;

@@ -27,10 +27,19 @@ static ph_status begin(call *c, const ph_problem *problem,
                        const ph_relaxation_params *params, const ph_ctx *ctx,
                        ph_viscoelastic *out, ph_error *err)
 {
+    ph_status st = PH_OK;
     *c = (call){.run = {.problem = problem, .ctx = ctx}, .out = out};
     c->start = ph_i_run_now();
+    out->error = out->error_at = (double)NAN;
     c->tolerance = params->tolerance > 0.0 ? params->tolerance : default_tolerance;
-    return ph_i_run_relaxing(&c->run, err);
+    PH_TRY(ph_i_run_relaxing(&c->run, err));
+    PH_TRY(ph_i_run_loads(&c->run, err)); /* at once: what the elastic report is about */
+    PH_TRY(ph_i_run_stiffness(&c->run, err));
+    out->instantaneous = c->run.result->stiffness;
+    for (int a = 0; a < c->run.result->nloads; a++)
+        out->iterations += c->run.result->iterations[a];
+out:
+    return st;
 }
 
 static void end(call *c)
@@ -61,27 +70,22 @@ static void count(call *c, const ph_stepping_report *report)
     c->out->iterations += report->iterations;
 }
 
-/* Column `a` of C*(t) from a jump of macro strain a at t = 0, and of C*(0) before it. */
+/* Column `a` of C*(t) from a jump of macro strain a at t = 0. */
 static ph_status step_column(call *c, ph_stepper *s, int a,
-                             const ph_relaxation_params *params, double *times,
-                             ph_step_state *state, ph_error *err)
+                             const ph_relaxation_params *params, ph_step_state *state,
+                             ph_error *err)
 {
     ph_status st = PH_OK;
     ph_stepping_report report;
     double zero = 0.0, unit[6] = {0};
     unit[a] = 1.0;
     const ph_load_history jump = {1, &zero, unit, 0};
-    times[0] = 0.0;
-    for (int k = 0; k < params->ntimes; k++)
-        times[k + 1] = params->times[k];
-    PH_TRY(ph_i_stepping(s, &jump, params->ntimes + 1, times,
+    PH_TRY(ph_i_stepping(s, &jump, params->ntimes, params->times,
                          &(ph_stepping_params){.tolerance = c->tolerance}, state, &report,
                          err));
-    for (int i = 0; i < s->ns; i++) {
-        c->out->instantaneous.m[i][a] = state[0].stress[i];
+    for (int i = 0; i < s->ns; i++)
         for (int k = 0; k < params->ntimes; k++)
-            c->out->curve[k].stiffness.m[i][a] = state[k + 1].stress[i];
-    }
+            c->out->curve[k].stiffness.m[i][a] = state[k].stress[i];
     count(c, &report);
 out:
     return st;
@@ -97,7 +101,7 @@ static void symmetrise(ph_sym4 *c, int n)
 
 /* The response to a history, Voigt, zero before it begins. */
 static ph_status step_history(call *c, ph_stepper *s, const ph_relaxation_params *params,
-                              double *times, ph_step_state *state, ph_error *err)
+                              ph_step_state *state, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_history *h = params->history;
@@ -115,8 +119,7 @@ static ph_status step_history(call *c, ph_stepper *s, const ph_relaxation_params
                                   h->stress ? (1u << ns) - 1u : 0u};
     while (early < params->ntimes && params->times[early] < h->time[0])
         early++;
-    memcpy(times, params->times, sizeof *times * (size_t)params->ntimes);
-    PH_TRY(ph_i_stepping(s, &load, params->ntimes - early, times + early,
+    PH_TRY(ph_i_stepping(s, &load, params->ntimes - early, params->times + early,
                          &(ph_stepping_params){.tolerance = c->tolerance}, state, &report,
                          err));
     for (int k = early; k < params->ntimes; k++)
@@ -137,29 +140,25 @@ ph_status ph_i_relaxation_stepping(const ph_problem *problem,
     ph_status st = PH_OK;
     ph_stepper *s = NULL;
     ph_step_state *state = NULL;
-    double *times = NULL;
     call c;
     PH_TRY(begin(&c, problem, params, ctx, out, err));
     PH_CHECK(params->ntimes > 0, PH_EINVAL, "route stepping needs times");
     PH_TRY(ph_i_stepper_new(&c.run, tolerance_of_solver(&c), &s, err));
-    PH_ALLOC(state, params->ntimes + 1, "states");
-    PH_ALLOC(times, params->ntimes + 1, "times");
+    PH_ALLOC(state, params->ntimes, "states");
     PH_ALLOC(out->curve, params->ntimes, "the curve");
     for (int a = 0; a < s->ns; a++)
-        PH_TRY(step_column(&c, s, a, params, times, state, err));
-    symmetrise(&out->instantaneous, s->ns);
+        PH_TRY(step_column(&c, s, a, params, state, err));
     for (; out->ncurve < params->ntimes; out->ncurve++) {
         out->curve[out->ncurve].time = params->times[out->ncurve];
         symmetrise(&out->curve[out->ncurve].stiffness, s->ns);
     }
     if (!params->history) goto out;
     PH_ALLOC(out->response, params->ntimes, "the response");
-    PH_TRY(step_history(&c, s, params, times, state, err));
+    PH_TRY(step_history(&c, s, params, state, err));
 out:
     ph_i_stepper_free(&s);
     end(&c);
     free(state);
-    free(times);
     return st;
 }
 

@@ -15,10 +15,10 @@ const ph_relaxation_route ph_relaxation_routes[] = {
       "every constraint and model"},
      ph_i_relaxation_carson},
     {{"stepping", "time steps with exact exponential weights, adaptive",
-      "Taylor1970 Simo1998", "models nosb and local, not voigt or reuss"},
+      "Taylor1970 Simo1998", "always, but for voigt and reuss"},
      ph_i_relaxation_stepping},
     {{"frequency", "a complex problem at every frequency asked for", "VanDerVorst1990",
-      "models nosb and local, families whole, not voigt or reuss"},
+      "families whole, not voigt or reuss"},
      ph_i_relaxation_frequency},
 };
 const size_t ph_nrelaxation_routes =

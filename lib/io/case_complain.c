@@ -6,7 +6,7 @@
 #include <stdarg.h>
 #include <string.h>
 
-enum { MAX_ISSUES = 200, SHOWN = 40 };
+enum { MAX_ISSUES = 200, SHOWN = 40, KEY_SHOWN = 80 };
 
 void ph_case_issues_free(ph_case_issues *issues)
 {
@@ -39,13 +39,13 @@ static void make_printable(char *text)
     if (n - tail < want) text[tail - 1] = 0;
 }
 
-/* At most SHOWN bytes of a text, "..." where it goes on. */
-static void shorten(const char *text, char *out, size_t size)
+/* At most `most` bytes of a text, "..." where it goes on. */
+static void shorten(const char *text, size_t most, char *out, size_t size)
 {
-    snprintf(out, size, "%.*s", (int)SHOWN, text);
+    snprintf(out, size, "%.*s", (int)most, text);
     make_printable(out);
     size_t n = strlen(out);
-    if (strlen(text) > SHOWN && n + 4 <= size) memcpy(out + n, "...", 4);
+    if (strlen(text) > most && n + 4 <= size) memcpy(out + n, "...", 4);
 }
 
 static void append(char *out, size_t size, const char *text)
@@ -56,7 +56,7 @@ static void append(char *out, size_t size, const char *text)
 
 static void node_path(const ph_i_reader *r, const ph_i_node *node, char *out, size_t size)
 {
-    char part[SHOWN + 8];
+    char part[KEY_SHOWN + 8];
     if (!node->parent) {
         out[0] = 0;
         if (r->set) append(out, size, r->set);
@@ -65,7 +65,7 @@ static void node_path(const ph_i_reader *r, const ph_i_node *node, char *out, si
     node_path(r, node->parent, out, size);
     if (out[0]) append(out, size, ".");
     if (node->key)
-        shorten(node->key, part, sizeof part);
+        shorten(node->key, KEY_SHOWN, part, sizeof part);
     else
         snprintf(part, sizeof part, "%zu", node->index);
     append(out, size, part);
@@ -131,7 +131,7 @@ void ph_i_complain_line(ph_i_reader *r, int line, const char *fmt, ...)
     va_start(ap, fmt);
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
-    if (r->set) shorten(r->set, set, sizeof set);
+    if (r->set) shorten(r->set, SHOWN, set, sizeof set);
     snprintf(message, sizeof message, "%s%s%s%s", r->set ? "--set " : "",
              r->set ? set : "", r->set ? ": " : "", text);
     add(r, line, PH_EINVAL, message);
@@ -151,7 +151,7 @@ static void describe(const ph_i_node *node, char *out, size_t size)
     } else {
         bool number = ph_i_text_to_number(node->text, &ignored);
         const char *quote = number && node->plain ? "" : "'";
-        shorten(node->text, part, sizeof part);
+        shorten(node->text, SHOWN, part, sizeof part);
         snprintf(out, size, "%s%s%s%s", number && !node->plain ? "the text " : "", quote,
                  part, quote);
     }

@@ -93,7 +93,8 @@ static ph_status put_route(json_t *map, const ph_viscoelastic *v, ph_error *err)
     } count[] = {{"basis", v->basis},
                  {"basis_bytes", (json_int_t)v->basis_bytes},
                  {"iterations", v->iterations},
-                 {"applications", v->applications}};
+                 {"applications", v->applications},
+                 {"steps", v->steps}};
     PH_TRY(ph_i_json_put(map, "route", ph_i_json_text(v->route), err));
     PH_TRY(ph_i_json_put(map, "error", ph_i_json_number(v->error), err));
     for (size_t i = 0; i < sizeof count / sizeof *count; i++)

@@ -247,9 +247,11 @@ static ph_status rates(ph_i_network *w, ph_error *err)
     for (; zeros > 0; zeros--) {
         int least = -1;
         for (int k = 0; k < w->q; k++)
-            if (w->rate[k] > 0 && (least < 0 || w->rate[k] < w->rate[least])) least = k;
-        if (least >= 0) w->rate[least] = 0;
+            if (w->rate[k] >= 0 && (least < 0 || w->rate[k] < w->rate[least])) least = k;
+        if (least >= 0) w->rate[least] = -1; /* counted, be it exactly zero already */
     }
+    for (int k = 0; k < w->q; k++)
+        w->rate[k] = fmax(w->rate[k], 0);
 out:
     return st;
 }

@@ -83,9 +83,10 @@ static void fill_tables(ph_bond_classes *c, double kappa)
 {
     for (int a = 0; a < c->count; a++)
         for (int b = 0; b < c->count; b++) {
-            int at = a * c->count + b;
-            c->how[at] = interphase(c, kappa, a, b);
-            c->how_apart[at] = agglomeration(c, kappa, a, b);
+            int at = a * c->count + b, low = a < b ? a : b, high = a < b ? b : a;
+            /* where two moduli are equal both ends of a bond take the same one */
+            c->how[at] = interphase(c, kappa, low, high);
+            c->how_apart[at] = agglomeration(c, kappa, low, high);
             c->pair[at] = cook(c, c->how[at]);
             c->apart[at] = cook(c, c->how_apart[at]);
         }

@@ -119,7 +119,7 @@ static ph_status new_whole(ph_relaxing_map *r, ph_error *err)
     PH_ALLOC(r->whole.c, entries * map->ns * map->ns, "tensors of the phases");
     PH_ALLOC(r->whole.hooke, entries, "tensors of the phases");
     if (r->has_cuts) {
-        r->whole.index = NULL;
+        r->whole.index = NULL; /* of its own from here on */
         PH_ALLOC(r->whole.index, map->cells, "the index of whole cells");
         r->meter->bytes += sizeof(int32_t) * (size_t)map->cells;
         if (r->meter->bytes > r->meter->peak) r->meter->peak = r->meter->bytes;
@@ -163,7 +163,7 @@ void ph_i_relaxing_map_free(ph_relaxing_map **relaxing)
     if (!relaxing || !*relaxing) return;
     ph_relaxing_map *r = *relaxing;
     if (r->mixed.c) ph_i_relaxing_map_again(r);
-    if (r->has_cuts && r->whole.index) {
+    if (r->whole.index && r->whole.index != r->mixed.index) {
         r->meter->bytes -= sizeof(int32_t) * (size_t)r->map->cells;
         free(r->whole.index);
     }

@@ -59,6 +59,7 @@ static int one_product(const ph_bond_classes *c, const census *n, double *lambda
     if (n->main < 0) return 0;
     const double *row = c->pair + (ptrdiff_t)n->main * c->count;
     lambda[0] = row[n->main];
+    if (lambda[0] == 0.0) return 0; /* one part of the moduli may have no bonds here */
     for (int i = 0; i < n->nused; i++)
         v[n->used[i]] = row[n->used[i]] / lambda[0];
     return 1;

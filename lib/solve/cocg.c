@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "solve/cocg.h"
 
-#include <complex.h>
+#include "core/complex.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +12,7 @@ static double complex bilinear(const ph_space *s, ph_complex_vector x,
 {
     double re = ph_i_dot(s, x.re, y.re) - ph_i_dot(s, x.im, y.im);
     double im = ph_i_dot(s, x.re, y.im) + ph_i_dot(s, x.im, y.re);
-    return CMPLX(re, im);
+    return ph_i_complex(re, im);
 }
 
 static double square(const ph_space *s, ph_complex_vector x)

@@ -96,6 +96,16 @@ static bool read_sigmas(ph_i_reader *r, const ph_i_node *node, const ph_fit_file
     return true;
 }
 
+static bool is_unknown(const ph_fit_file *f, const char *key)
+{
+    for (int j = 0; j < f->nunknowns; j++) {
+        if (strcmp(f->unknown_key[j], key) == 0) return true;
+        for (int a = 0; a < f->nalso[j]; a++)
+            if (strcmp(f->also[j][a], key) == 0) return true;
+    }
+    return false;
+}
+
 static bool read_columns(ph_i_reader *r, const ph_i_node *map, ph_fit_file *f, columns *c)
 {
     const ph_i_names keys = PH_I_NAMES(column_keys);
@@ -114,6 +124,10 @@ static bool read_columns(ph_i_reader *r, const ph_i_node *map, ph_fit_file *f, c
             f->output[f->noutputs] = q;
             if (!read_column(r, node, c->table, keys, &c->output[f->noutputs++]))
                 return false;
+        } else if (is_unknown(f, node->key)) {
+            ph_i_complain(r, node, PH_EINVAL,
+                          "is an unknown: it cannot come from the data too");
+            return false;
         } else if (strchr(node->key, '.') && !strchr(node->key, '=') &&
                    strlen(node->key) < PH_FIT_KEY && f->nkeys < PH_FIT_KEYS) {
             snprintf(f->key[f->nkeys], PH_FIT_KEY, "%s", node->key);
@@ -172,6 +186,9 @@ static ph_status take_row(ph_fit_file *f, const columns *c, ptrdiff_t row, ph_er
                      "%s:%d: sigma of %s is %g: must be > 0", t->path, t->line[row],
                      f->output[o].name, sigma);
         }
+        PH_CHECK(c->has_sigma || y != 0, PH_EINVAL,
+                 "%s:%d: %s is 0: it has no relative error, give a sigma", t->path,
+                 t->line[row], f->output[o].name);
         int p = point_at(f, place, t->line[row]);
         f->measurement[f->nmeasurements++] =
             (ph_fit_measurement){.point = p, .output = o, .value = y, .sigma = sigma};

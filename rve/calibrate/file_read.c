@@ -4,6 +4,7 @@
 #include "io/read_file.h"
 
 #include <math.h>
+#include <perihom_campaign.h>
 #include <string.h>
 
 static const char *const root_keys[] = {"calibration", "title",  "case",      "unknowns",
@@ -82,6 +83,17 @@ static bool read_limits(ph_i_reader *r, const ph_i_node *map, ph_fit_unknown *x)
     return true;
 }
 
+/* Is the key already set by unknown 0 .. j - 1, or one of those that go along with them? */
+static bool is_taken(const ph_fit_file *f, size_t j, const char *key)
+{
+    for (size_t i = 0; i < j; i++) {
+        if (strcmp(f->unknown_key[i], key) == 0) return true;
+        for (int a = 0; a < f->nalso[i]; a++)
+            if (strcmp(f->also[i][a], key) == 0) return true;
+    }
+    return false;
+}
+
 /* Further keys of the case that get the same value. */
 static bool read_also(ph_i_reader *r, const ph_i_node *list, ph_fit_file *f, size_t j)
 {
@@ -96,6 +108,11 @@ static bool read_also(ph_i_reader *r, const ph_i_node *list, ph_fit_file *f, siz
         if (!ph_i_read_text(r, list->child[i], PH_FIT_KEY, f->also[j][i])) return false;
         if (strchr(f->also[j][i], '=') || !f->also[j][i][0]) {
             ph_i_reject(r, list->child[i], PH_EINVAL, "must be a key path of the case");
+            return false;
+        }
+        if (strcmp(f->also[j][i], f->unknown_key[j]) == 0 ||
+            is_taken(f, j, f->also[j][i])) {
+            ph_i_reject(r, list->child[i], PH_EINVAL, "is an unknown already");
             return false;
         }
     }
@@ -124,6 +141,10 @@ static bool read_unknowns(ph_i_reader *r, const ph_i_node *map, ph_fit_file *f)
             continue;
         }
         snprintf(f->unknown_key[j], PH_FIT_KEY, "%s", node->key);
+        if (is_taken(f, j, node->key)) {
+            ph_i_complain(r, node, PH_EINVAL, "goes along with another unknown (also)");
+            good = false;
+        }
         if (!ph_i_read_map(r, node,
                            "must be a map such as {from: 0.01, to: 100, scale: log}")) {
             good = false;
@@ -134,6 +155,11 @@ static bool read_unknowns(ph_i_reader *r, const ph_i_node *map, ph_fit_file *f)
         good &= read_also(r, ph_i_get(node, "also"), f, j);
         name = ph_i_get(node, "name");
         if (name) good &= ph_i_read_text(r, name, sizeof x->name, x->name);
+        for (size_t i = 0; name && i < j; i++)
+            if (x->name[0] && strcmp(f->unknown[i].name, x->name) == 0) {
+                ph_i_reject(r, name, PH_EINVAL, "is the name of another unknown");
+                good = false;
+            }
     }
     f->nunknowns = (int)map->count;
     if (good) name_unknowns(f);
@@ -272,13 +298,33 @@ static ph_status read_case(ph_fit_file *f, ph_case_issues *issues, ph_error *err
         if (st != PH_OK) ph_error_prefix(err, "%s:%d: ", f->data_path, f->line[p]);
         PH_TRY(st);
         for (int o = 0; o < f->noutputs; o++) {
-            const char *no = ph_quantity_refuses(&f->output[o], c->kinematics);
-            PH_CHECK(!no, PH_EINVAL, "%s: %s: %s", f->path, f->output[o].name, no);
+            st = ph_scenario_admits(c, &f->output[o], err);
+            if (st != PH_OK) ph_error_prefix(err, "%s: data.columns: ", f->path);
+            PH_TRY(st);
         }
         ph_case_free(&c);
     }
 out:
     ph_case_free(&c);
+    return st;
+}
+
+/* An override of a key that the calibration itself sets would never be seen. */
+static ph_status check_sets(const ph_fit_file *f, ph_error *err)
+{
+    ph_status st = PH_OK;
+    for (size_t i = 0; i < f->nsets; i++) {
+        char key[PH_FIT_KEY] = "";
+        bool own = false;
+        size_t n = strcspn(f->sets[i], "=");
+        if (n < sizeof key) memcpy(key, f->sets[i], n);
+        for (int k = 0; k < f->nkeys; k++)
+            own |= strcmp(f->key[k], key) == 0;
+        own |= is_taken(f, (size_t)f->nunknowns, key);
+        PH_CHECK(!own, PH_EINVAL,
+                 "--set %s: the calibration sets this key (unknowns, data.columns)", key);
+    }
+out:
     return st;
 }
 
@@ -311,6 +357,7 @@ ph_status ph_fit_file_read(const char *path, const char *const *sets, size_t nse
     snprintf(f->path, sizeof f->path, "%s", path);
     PH_TRY(keep_sets(f, sets, nsets, err));
     PH_TRY(read_calibration(f, issues, err));
+    PH_TRY(check_sets(f, err));
     if (where) snprintf(where, 1024, "%s", f->case_path);
     PH_TRY(read_case(f, issues, err));
     *out = f;

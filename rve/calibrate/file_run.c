@@ -123,6 +123,14 @@ static ph_status model(void *user, const double *unknown, int point, uint64_t re
     return kept;
 }
 
+/* Is a realisation of the case different from the next? */
+static bool is_random(const ph_case *c)
+{
+    for (ptrdiff_t i = 0; i < c->ncracks; i++)
+        if (c->cracks[i].kind == PH_CRACKS_RANDOM) return true;
+    return c->nfillers > 0;
+}
+
 ph_status ph_fit_file_run(const ph_fit_file *file, const char *dir, bool retry,
                           const ph_ctx *ctx, ph_fit **out, long *solved, ph_error *err)
 {
@@ -136,7 +144,7 @@ ph_status ph_fit_file_run(const ph_fit_file *file, const char *dir, bool retry,
                                     .noutputs = file->noutputs,
                                     .nmeasurements = file->nmeasurements,
                                     .measurement = file->measurement,
-                                    .random = file->base->nfillers > 0,
+                                    .random = is_random(file->base),
                                     .model = model,
                                     .user = &s};
     st = ph_calibrate(&problem, &file->params, ctx, out, err);

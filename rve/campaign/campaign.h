@@ -37,6 +37,9 @@ size_t ph_i_sweep_at(const ph_i_sweep *sweep, int point, size_t a);
 /** realisations and outputs of the document. */
 ph_status ph_i_plan_read(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
                          ph_error *err);
+/** data of the document: its keys must vary, its columns must be there. */
+void ph_i_data_read(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep *sweep,
+                    ph_campaign *c);
 /** Resolve the cases of all points and hash them. */
 ph_status ph_i_points_resolve(ph_i_reader *r, const ph_i_node *root,
                               const ph_i_sweep *sweep, const char *const *sets,
@@ -135,6 +138,9 @@ typedef struct ph_i_store {
  *          another campaign); PH_ENOMEM */
 ph_status ph_i_store_open(ph_i_store *s, const char *folder, const ph_campaign *c,
                           ph_error *err);
+/** Does the folder hold realisations of the campaign? Touches nothing.
+ *  @return PH_OK; PH_EIO */
+ph_status ph_i_store_probe(const ph_campaign *c, const char *folder, ph_error *err);
 /** A line to be written with the next sync. */
 ph_status ph_i_store_add(ph_i_store *s, const ph_i_record *r, ph_error *err);
 /** Everything added is on disk after it, in one write. On failure the file ends as before. */

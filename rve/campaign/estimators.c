@@ -267,7 +267,7 @@ static ph_status choose(plan *p, const ptrdiff_t *have, ph_estimation *out, ph_e
         for (unsigned bits = 1; bits < 1u << (p->nmodels - 1); bits++) {
             double m;
             subset(p, bits, fits, have, &c);
-            if (!merit(p, &c, have, &m) || m >= best) continue;
+            if (!merit(p, &c, have, &m) || !(m < best)) continue; /* NaN: no scatter */
             best = m;
             p->chain = c;
             out->method = fits ? FITTED : FITTED + 1;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* realisations, outputs and data of a campaign file. */
+#include <perihom/table.h>
+
 #include "campaign/campaign.h"
 
 #include <math.h>
@@ -74,7 +76,8 @@ static void read_until(ph_i_reader *r, const ph_i_node *map, ph_campaign *c)
                       rel ? keys[1] : keys[2]);
     if (!rel && !abs && !total) ph_i_missing(r, map, keys[1], "%s", width);
     if (confidence)
-        ph_i_read_number(r, confidence, 0, 1, "must lie between 0 and 1", &s->confidence);
+        ph_i_read_number(r, confidence, 1e-6, 1 - 1e-9,
+                         "must lie between 0 and 1 (1e-6 to 1 - 1e-9)", &s->confidence);
 }
 
 static void read_realisations(ph_i_reader *r, const ph_i_node *root, ph_campaign *c)
@@ -119,7 +122,47 @@ static void read_realisations(ph_i_reader *r, const ph_i_node *root, ph_campaign
     read_until(r, until, c);
 }
 
-static void read_data(ph_i_reader *r, const ph_i_node *root, ph_campaign *c)
+/* The key of the case that a column of data is for. */
+static void take_data_key(ph_i_reader *r, const ph_i_node *column,
+                          const ph_i_sweep *sweep, ph_campaign_data *d)
+{
+    bool varies = false;
+    for (size_t a = 0; a < sweep->naxes; a++)
+        varies |= strcmp(sweep->axis[a].key, column->key) == 0;
+    if (!varies)
+        ph_i_complain(r, column, PH_EINVAL,
+                      "must be a key that varies in the campaign, one of its outputs, or "
+                      "sigma");
+    else if (d->key[0])
+        ph_i_complain(r, column, PH_EINVAL, "a picture has one key: '%s' is there too",
+                      d->key);
+    snprintf(d->key, sizeof d->key, "%.*s", (int)sizeof d->key - 1, column->key);
+    ph_i_read_text(r, column, sizeof d->x, d->x);
+}
+
+/* Does the table have the columns? Now, not when everything is computed. */
+static void check_table(ph_i_reader *r, const ph_i_node *file, const ph_i_node *columns,
+                        const ph_campaign *c)
+{
+    const ph_campaign_data *d = &c->data;
+    ph_table *table = NULL;
+    ph_error why = PH_ERROR_INIT;
+    char path[1024];
+    ph_i_path_in(c->folder, d->file, path, sizeof path);
+    if (ph_table_read(path, &table, &why) != PH_OK) {
+        ph_i_complain(r, file, PH_EINVAL, "%s", why.msg);
+        return;
+    }
+    for (size_t i = 0; i < columns->count; i++)
+        if (columns->child[i]->kind == PH_I_SCALAR &&
+            ph_table_column(table, columns->child[i]->text) < 0)
+            ph_i_reject(r, columns->child[i], PH_EINVAL, "%.200s has no such column",
+                        path);
+    ph_table_free(&table);
+}
+
+void ph_i_data_read(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep *sweep,
+                    ph_campaign *c)
 {
     static const char *const keys[] = {"file", "columns"};
     static const char rule[] =
@@ -141,14 +184,22 @@ static void read_data(ph_i_reader *r, const ph_i_node *root, ph_campaign *c)
         if (strcmp(key, "sigma") == 0) {
             ph_i_read_text(r, column, sizeof d->sigma, d->sigma);
         } else if (output) {
+            if (d->quantity[0])
+                ph_i_complain(r, column, PH_EINVAL,
+                              "a picture has one output: '%s' is there too", d->quantity);
             snprintf(d->quantity, sizeof d->quantity, "%s", key);
             ph_i_read_text(r, column, sizeof d->y, d->y);
-        } else if (strlen(key) < sizeof d->key) {
-            snprintf(d->key, sizeof d->key, "%s", key);
-            ph_i_read_text(r, column, sizeof d->x, d->x);
+        } else {
+            take_data_key(r, column, sweep, d);
         }
     }
-    if (!d->x[0] || !d->y[0]) ph_i_reject(r, columns, PH_EINVAL, "%s", rule);
+    if (!d->key[0])
+        ph_i_complain(r, columns, PH_EINVAL, "a swept key is missing: the column of x");
+    else if (!d->quantity[0])
+        ph_i_missing(r, columns, c->output[0].name,
+                     "one of the outputs: the column of y");
+    else if (file && d->x[0] && d->y[0])
+        check_table(r, file, columns, c);
 }
 
 ph_status ph_i_plan_read(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
@@ -161,7 +212,6 @@ ph_status ph_i_plan_read(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
     c->common_random_numbers = true;
     PH_TRY(read_outputs(r, root, c, err));
     read_realisations(r, root, c);
-    read_data(r, root, c);
     const ph_i_node *common = ph_i_get(root, "common_random_numbers");
     if (common) ph_i_read_flag(r, common, &c->common_random_numbers);
 out:

@@ -16,6 +16,15 @@ static const char *short_key(const char *key)
     return dot ? dot + 1 : key;
 }
 
+/* Its last word, or all of it where another key has the same one. */
+static const char *name_of_key(const ph_campaign *c, int key)
+{
+    const char *name = short_key(c->key[key]);
+    for (int k = 0; k < c->nkeys; k++)
+        if (k != key && strcmp(short_key(c->key[k]), name) == 0) return c->key[key];
+    return name;
+}
+
 static void axis_label(const ph_campaign *c, int output, char *text, size_t size)
 {
     const ph_quantity *q = &c->output[output];
@@ -34,7 +43,7 @@ static void point_name(const ph_campaign *c, int p, int but, char *text, size_t 
     for (int k = 0; k < c->nkeys && n < size; k++)
         if (k != but)
             n += (size_t)snprintf(text + n, size - n, "%s%s %.20s", n ? ", " : "",
-                                  short_key(c->key[k]), c->point[p].value[k]);
+                                  name_of_key(c, k), c->point[p].value[k]);
 }
 
 /* ---- an output against a swept key ---- */
@@ -139,7 +148,7 @@ static ph_status draw_against(const ph_campaign *c, const ph_campaign_result *r,
     ph_status st = PH_OK;
     curve curves[SERIES + 1] = {0};
     ph_series series[SERIES + 1] = {0};
-    char path[1200], label[160];
+    char path[1200], label[160], name[300];
     int n = 0;
     for (int p = 0; p < c->npoints && n < SERIES; p++) {
         bool seen = false;
@@ -160,8 +169,11 @@ static ph_status draw_against(const ph_campaign *c, const ph_campaign_result *r,
                                              ? PH_PLOT_POINTS
                                              : PH_PLOT_LINE_POINTS};
     axis_label(c, output, label, sizeof label);
-    snprintf(path, sizeof path, "%.800s/%s-against-%.160s.svg", folder,
-             c->output[output].name, short_key(c->key[key]));
+    snprintf(name, sizeof name, "%s-against-%.160s.svg", c->output[output].name,
+             name_of_key(c, key));
+    for (char *p = name; *p; p++)
+        if (*p == '/') *p = '_'; /* of a material */
+    snprintf(path, sizeof path, "%.800s/%s", folder, name);
     const ph_plot plot = {.title = c->title[0] ? c->title : c->point[0].c->title,
                           .xlabel = c->key[key],
                           .ylabel = label,

@@ -35,14 +35,27 @@ out:
     return st;
 }
 
+/* An override of a key that varies would never be seen. */
+static bool varies(ph_i_reader *r, const ph_campaign *c, int line, const char *key)
+{
+    for (int k = 0; k < c->nkeys; k++)
+        if (strcmp(c->key[k], key) == 0) {
+            ph_i_complain_line(r, line, "%s %s: this key varies in the campaign",
+                               line ? "set:" : "--set", key);
+            return true;
+        }
+    return false;
+}
+
 /* `set` of the campaign file. */
-static ph_status take_common_sets(ph_i_reader *r, const ph_i_node *root, set_list *s,
-                                  ph_error *err)
+static ph_status take_common_sets(ph_i_reader *r, const ph_i_node *root,
+                                  const ph_campaign *c, set_list *s, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_i_node *map = ph_i_get(root, "set");
     if (!map || !ph_i_read_map(r, map, "must be a map: key of the case: value")) goto out;
     for (size_t i = 0; i < map->count; i++) {
+        if (varies(r, c, map->child[i]->line, map->child[i]->key)) continue;
         char *value = ph_i_tree_text(map->child[i]);
         PH_CHECK(value, PH_ENOMEM, "no memory for an override");
         st = add_set(s, map->child[i]->key, value, err);
@@ -72,31 +85,73 @@ out:
     return st;
 }
 
+/* The line of the key of the map that is, begins or goes on as `path`; 0: none. */
+static int line_in(const ph_i_node *map, const char *path, size_t length)
+{
+    for (size_t i = 0; map && map->kind == PH_I_MAP && i < map->count; i++) {
+        size_t n = strlen(map->child[i]->key);
+        if (strncmp(map->child[i]->key, path, n < length ? n : length) == 0)
+            return map->child[i]->line;
+    }
+    return 0;
+}
+
+/* The line of the campaign file whose key a complaint about an override is about; 0: none. */
+static int line_of_override(const ph_i_node *root, const char *complaint)
+{
+    static const char set[] = "--set ";
+    static const char *const maps[] = {"set", "sweep", "zip"};
+    int line = 0;
+    if (strncmp(complaint, set, sizeof set - 1) != 0) return 0;
+    const char *path = complaint + sizeof set - 1;
+    size_t length = strcspn(path, ": ");
+    for (size_t m = 0; m < sizeof maps / sizeof *maps && !line; m++)
+        line = line_in(ph_i_get(root, maps[m]), path, length);
+    const ph_i_node *table = ph_i_get(root, "table"),
+                    *reduce = ph_i_get(root, "variance_reduction"), *levels = NULL;
+    if (!line && table) line = line_in(ph_i_get(table, "columns"), path, length);
+    if (reduce && reduce->kind == PH_I_MAP) levels = ph_i_get(reduce, "levels");
+    for (size_t i = 0; levels && levels->kind == PH_I_LIST && i < levels->count; i++)
+        if (!line) line = line_in(levels->child[i], path, length);
+    return line;
+}
+
+/* Did an earlier point say the same? Its complaint ends with the text. */
+static bool was_said(const ph_i_reader *r, const char *text)
+{
+    size_t n = strlen(text);
+    for (size_t i = 0; i < r->issues->count; i++) {
+        size_t length = strlen(r->issues->item[i].message);
+        if (length >= n && strcmp(r->issues->item[i].message + length - n, text) == 0)
+            return true;
+    }
+    return false;
+}
+
 /* Complaints of the case of a point become complaints of the campaign. */
-static void hand_on(ph_i_reader *r, const ph_case_issues *issues, const ph_campaign *c,
-                    int point)
+static void hand_on(ph_i_reader *r, const ph_i_node *root, const ph_case_issues *issues,
+                    const ph_campaign *c, int point)
 {
     for (size_t i = 0; i < issues->count; i++) {
-        char text[1024];
-        if (issues->item[i].warning) continue;
-        ph_case_issue_text(&issues->item[i], c->case_path, text, sizeof text);
-        ph_i_complain_line(r, 0, "point %d: %s", point, text);
+        char text[560]; /* a complaint has room for it and the point */
+        const ph_case_issue *issue = &issues->item[i];
+        if (issue->warning) continue;
+        ph_case_issue_text(issue, c->case_path, text, sizeof text);
+        if (!was_said(r, text))
+            ph_i_complain_line(r, line_of_override(root, issue->message), "point %d: %s",
+                               point, text);
     }
 }
 
-static void check_outputs(ph_i_reader *r, const ph_campaign *c, int point)
+static void check_outputs(ph_i_reader *r, const ph_i_node *root, const ph_campaign *c,
+                          int point)
 {
-    const ph_case *one = c->point[point].c;
+    const ph_i_node *list = ph_i_get(root, "outputs");
     for (int i = 0; i < c->noutputs; i++) {
-        const ph_quantity *q = &c->output[i];
-        const char *no = ph_quantity_refuses(q, one->kinematics);
-        bool known = !q->argument[0];
-        for (int m = 0; m < one->nmaterials; m++)
-            known |= strcmp(one->materials[m].name, q->argument) == 0;
-        if (no) ph_i_complain_line(r, 0, "outputs: %s: %s", q->name, no);
-        if (!known)
-            ph_i_complain_line(r, 0, "outputs: %s: the case has no material '%s'",
-                               q->name, q->argument);
+        ph_error why = PH_ERROR_INIT;
+        if (ph_scenario_admits(c->point[point].c, &c->output[i], &why) != PH_OK &&
+            !was_said(r, why.msg))
+            ph_i_complain(r, list->child[i], PH_EINVAL, "%s", why.msg);
     }
 }
 
@@ -128,9 +183,18 @@ out:
     return st;
 }
 
-static ph_status resolve(ph_i_reader *r, const ph_i_sweep *sweep, int point,
-                         const ph_i_levels *levels, set_list *sets, ph_campaign *c,
-                         ph_error *err)
+/* A total error needs what tells the error of the grid. */
+static void check_total(ph_i_reader *r, const ph_campaign *c, int point)
+{
+    const char *no = ph_campaign_no_grid(c, point, c->judged >= 0 ? c->judged : 0);
+    if (c->relative_error > 0 && no)
+        ph_i_complain_line(r, 0, "point %d: realisations.until.relative_error: %s", point,
+                           no);
+}
+
+static ph_status resolve(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep *sweep,
+                         int point, const ph_i_levels *levels, set_list *sets,
+                         ph_campaign *c, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_case_issues issues = {0};
@@ -146,17 +210,13 @@ static ph_status resolve(ph_i_reader *r, const ph_i_sweep *sweep, int point,
         goto out;
     }
     if (read == PH_OK) {
-        int judged = c->judged >= 0 ? c->judged : 0;
-        check_outputs(r, c, point);
+        check_outputs(r, root, c, point);
         PH_TRY(hash_point(c, point, err));
         PH_TRY(ph_i_levels_resolve(levels, point, (const char *const *)sets->item,
                                    sets->count, c, &issues, err));
-        const char *no = ph_campaign_no_grid(c, point, judged);
-        if (c->relative_error > 0 && issues.count == 0 && no)
-            ph_i_complain_line(r, 0, "point %d: realisations.until.relative_error: %s",
-                               point, no);
+        if (issues.count == 0) check_total(r, c, point);
     }
-    hand_on(r, &issues, c, point);
+    hand_on(r, root, &issues, c, point);
 out:
     ph_case_issues_free(&issues);
     clear_sets(sets);
@@ -186,20 +246,20 @@ ph_status ph_i_points_resolve(ph_i_reader *r, const ph_i_node *root,
     c->hash = PH_I_HASH_START;
     PH_TRY(ph_i_levels_read(r, root, &levels, c, err));
     PH_TRY(take_keys(sweep, c, err));
-    PH_TRY(take_common_sets(r, root, &all, err));
+    PH_TRY(take_common_sets(r, root, c, &all, err));
     for (size_t i = 0; i < nsets; i++) {
         const char *equals = strchr(sets[i], '=');
         char key[256];
         PH_CHECK(equals && equals - sets[i] < (ptrdiff_t)sizeof key, PH_EINVAL,
                  "--set %.100s: must be key.path=value", sets[i]);
         snprintf(key, sizeof key, "%.*s", (int)(equals - sets[i]), sets[i]);
-        PH_TRY(add_set(&all, key, equals + 1, err));
+        if (!varies(r, c, 0, key)) PH_TRY(add_set(&all, key, equals + 1, err));
     }
     int npoints = ph_i_sweep_points(sweep);
     PH_ALLOC(c->point, npoints, "the points of a sweep");
     c->npoints = npoints;
     for (int p = 0; p < npoints && r->invalid + r->unphysical < 20; p++)
-        PH_TRY(resolve(r, sweep, p, &levels, &all, c, err));
+        PH_TRY(resolve(r, root, sweep, p, &levels, &all, c, err));
     for (int i = 0; i < c->noutputs; i++)
         c->hash = ph_i_hash(c->hash, c->output[i].name, strlen(c->output[i].name) + 1);
     c->hash = ph_i_hash(c->hash, &c->common_random_numbers, 1);

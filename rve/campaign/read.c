@@ -89,6 +89,7 @@ static ph_status read_document(ph_i_reader *r, const ph_i_node *root,
     if (!read_head(r, root, c)) goto out;
     PH_TRY(ph_i_plan_read(r, root, c, err));
     PH_TRY(ph_i_sweep_read(r, root, c->folder, &sweep, err));
+    ph_i_data_read(r, root, &sweep, c);
     if (r->invalid + r->unphysical == 0)
         PH_TRY(ph_i_points_resolve(r, root, &sweep, sets, nsets, c, err));
 out:

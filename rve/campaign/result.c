@@ -92,6 +92,7 @@ ph_status ph_campaign_summarise(const ph_campaign *c, const char *folder,
     ph_i_store store = {.lock = -1, .fd = -1};
     PH_CHECK(c && folder && out, PH_EINVAL, "NULL campaign, folder or result");
     *out = NULL;
+    PH_TRY(ph_i_store_probe(c, folder, err));
     PH_TRY(ph_i_store_open(&store, folder, c, err));
     PH_TRY(ph_i_result_make(&store, out, err));
 out:
@@ -108,6 +109,8 @@ ph_status ph_campaign_merge(const ph_campaign *c, const char *folder,
     PH_CHECK(c && folder && out && (from || nfrom == 0), PH_EINVAL,
              "NULL campaign, folder, sources or result");
     *out = NULL;
+    for (size_t k = 0; k < nfrom; k++)
+        PH_TRY(ph_i_store_probe(c, from[k], err));
     PH_TRY(ph_i_store_open(&store, folder, c, err));
     for (size_t k = 0; k < nfrom; k++) {
         char path[1100];

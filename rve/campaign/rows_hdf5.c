@@ -6,6 +6,7 @@
 #include "io/hdf5_sink.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { BLOCK = 4096 };
 
@@ -76,8 +77,13 @@ static ph_status create_all(rows *r, ph_error *err)
     PH_TRY(create(r, "realisation", H5T_NATIVE_INT64, &r->realisation, err));
     PH_TRY(create(r, "failed", H5T_NATIVE_UINT8, &r->failed, err));
     PH_TRY(create(r, "iterations", H5T_NATIVE_INT32, &r->iterations, err));
-    for (int k = 0; k < c->noutputs; k++)
-        PH_TRY(create(r, c->output[k].name, H5T_NATIVE_DOUBLE, &r->output[k], err));
+    for (int k = 0; k < c->noutputs; k++) {
+        char name[sizeof c->output[k].name];
+        strcpy(name, c->output[k].name);
+        for (char *p = name; *p; p++)
+            if (*p == '/') *p = '_'; /* of a material; to HDF5 it is a folder */
+        PH_TRY(create(r, name, H5T_NATIVE_DOUBLE, &r->output[k], err));
+    }
     PH_ALLOC(r->p, BLOCK, "rows of realisations");
     PH_ALLOC(r->l, BLOCK, "rows of realisations");
     PH_ALLOC(r->it, BLOCK, "rows of realisations");

@@ -25,7 +25,8 @@ typedef struct engine {
     int *ready;      /* ring of points that may have something to issue */
     int first_ready, nready;
     bool *is_ready;
-    ph_i_task again[256]; /* tasks of dead workers */
+    ph_i_task
+        again[PH_I_WORKERS * PH_I_QUEUE]; /* tasks of dead workers: of all at once */
     int nagain;
     int64_t outstanding, computed;
     double started, synced, shown,

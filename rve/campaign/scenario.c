@@ -41,16 +41,28 @@ unsigned ph_scenario_loads(const ph_scenario *s)
     return loads;
 }
 
+ph_status ph_scenario_admits(const ph_case *c, const ph_quantity *q, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(c && q, PH_EINVAL, "NULL case or output");
+    const char *no = ph_quantity_refuses(q, c->kinematics);
+    bool there = strncmp(q->name, "fraction.", 9) != 0;
+    PH_CHECK(!no, PH_EINVAL, "%s: %s", q->name, no);
+    for (int m = 0; m < c->nmaterials && !there; m++)
+        there = strcmp(c->materials[m].name, q->argument) == 0;
+    PH_CHECK(there, PH_EINVAL, "%s: the case has no material '%s'", q->name, q->argument);
+out:
+    return st;
+}
+
 static ph_status check_outputs(const ph_scenario *s, ph_error *err)
 {
     ph_status st = PH_OK;
     PH_CHECK(s && s->c && s->output, PH_EINVAL, "NULL scenario, case or outputs");
     PH_CHECK(s->noutputs >= 1 && s->noutputs <= PH_MAX_OUTPUTS, PH_EINVAL,
              "%d outputs: 1 to %d are admissible", s->noutputs, PH_MAX_OUTPUTS);
-    for (int i = 0; i < s->noutputs; i++) {
-        const char *no = ph_quantity_refuses(&s->output[i], s->c->kinematics);
-        PH_CHECK(!no, PH_EINVAL, "%s: %s", s->output[i].name, no);
-    }
+    for (int i = 0; i < s->noutputs; i++)
+        PH_TRY(ph_scenario_admits(s->c, &s->output[i], err));
 out:
     return st;
 }

@@ -73,17 +73,31 @@ out:
     return st;
 }
 
-static ph_status check_header(const ph_i_store *s, const char *path, const char *line,
+static ph_status check_header(const ph_campaign *c, const char *path, const char *line,
                               size_t length, ph_error *err)
 {
     ph_status st = PH_OK;
     char mine[PH_I_LINE];
-    size_t n = ph_i_record_header(s->c, mine);
+    size_t n = ph_i_record_header(c, mine);
     PH_CHECK(n == length && memcmp(mine, line, n) == 0, PH_EIO,
              "%s holds the realisations of another campaign: its case, sweep or outputs "
              "are not those of %s. Choose another folder with -o, or remove this one",
-             path, s->c->path);
+             path, c->path);
 out:
+    return st;
+}
+
+ph_status ph_i_store_probe(const ph_campaign *c, const char *folder, ph_error *err)
+{
+    ph_status st = PH_OK;
+    char path[1100], line[PH_I_LINE];
+    snprintf(path, sizeof path, "%s/realisations.jsonl", folder);
+    FILE *file = fopen(path, "r");
+    PH_CHECK(file, PH_EIO, "%s: cannot be opened: %s", path, strerror(errno));
+    PH_CHECK(fgets(line, sizeof line, file), PH_EIO, "%s holds no realisations", path);
+    PH_TRY(check_header(c, path, line, strlen(line), err));
+out:
+    if (file) fclose(file);
     return st;
 }
 
@@ -101,7 +115,7 @@ static ph_status read_lines(ph_i_store *s, FILE *file, const char *path, bool me
         ssize_t n = getline(&line, &size, file);
         if (n <= 0 || line[n - 1] != '\n') break;
         if (number == 0)
-            PH_TRY(check_header(s, path, line, (size_t)n, err));
+            PH_TRY(check_header(s->c, path, line, (size_t)n, err));
         else if (!ph_i_record_parse(s->c, line, (size_t)n, &r))
             s->dropped++;
         else if (merging)

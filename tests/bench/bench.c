@@ -10,6 +10,7 @@
  *   clay:150                       one clay/epoxy realisation, beside the direct solver
  *   clay_batch:200                 as many realisations on two threads
  *   relax:V29:100                  the whole relaxation over one elastic solution, all loads
+ *   stepping:V29:64                a thousand steps over twelve decades, all loads, beside it
  *
  * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
  * runs, unless called wall. Ratios are of two runs in the same minute. */
@@ -195,6 +196,42 @@ static void bench_relax(const char *name, int n)
            (double)v->elastic->peak_bytes / cells, v->series->nterms, v->error);
     ph_viscoelastic_free(&v);
     ph_result_free(&res);
+    scene_free(&s);
+}
+
+/* A thousand steps, one to each of as many times over twelve decades, against the series of
+ * the reduced route: applications of both, and the largest difference. */
+static void bench_stepping(const char *name, int n)
+{
+    enum { STEPS = 1000 };
+    ph_error err = PH_ERROR_INIT;
+    const ph_ctx ctx = {.threads = 1};
+    scene s = scene_new(name, n, "nosb", false);
+    ph_viscoelastic *series = NULL, *steps = NULL;
+    double times[STEPS], worst = 0.0, c;
+    for (int k = 0; k < STEPS; k++)
+        times[k] = pow(10.0, -6.0 + 12.0 * k / (STEPS - 1));
+    ph_relaxation_params p = {
+        .route = "stepping", .tolerance = 0.5, .times = times, .ntimes = STEPS};
+    if (ph_viscoelastic_solve(&s.problem, NULL, &ctx, &series, &err)) die("relax", &err);
+    c = clock_of(CLOCK_PROCESS_CPUTIME_ID);
+    if (ph_viscoelastic_solve(&s.problem, &p, &ctx, &steps, &err)) die("stepping", &err);
+    c = clock_of(CLOCK_PROCESS_CPUTIME_ID) - c;
+    for (int k = 0; k < STEPS; k++) {
+        ph_sym4 want = ph_prony_at_time(series->series, times[k]);
+        ph_sym4 d = ph_sym4_combine(1.0, &steps->curve[k].stiffness, -1.0, &want);
+        worst = fmax(worst, ph_sym4_norm(&d) / ph_sym4_norm(&want));
+    }
+    double cells = (double)ph_grid_cells(&steps->elastic->grid);
+    printf("{\"bench\": \"stepping\", \"problem\": \"%s\", \"n\": %d, \"cpu\": %.4g, "
+           "\"cpu_reduced\": %.4g, \"steps\": %ld, \"iterations\": %ld, "
+           "\"applications\": %ld, \"applications_reduced\": %ld, \"error\": %.2g, "
+           "\"bytes_per_node\": %.4g}\n",
+           name, n, c, series->seconds, steps->steps, steps->iterations,
+           steps->applications, series->applications, worst,
+           (double)steps->elastic->peak_bytes / cells);
+    ph_viscoelastic_free(&steps);
+    ph_viscoelastic_free(&series);
     scene_free(&s);
 }
 
@@ -468,6 +505,8 @@ static int run(const char *word)
         bench_threads(name, size);
     else if (sscanf(word, "clay:%d", &size) == 1)
         bench_clay(size);
+    else if (sscanf(word, "stepping:%31[^:]:%d", name, &size) == 2)
+        bench_stepping(name, size);
     else if (sscanf(word, "relax:%31[^:]:%d", name, &size) == 2)
         bench_relax(name, size);
     else if (sscanf(word, "clay_batch:%d", &size) == 1)

@@ -81,3 +81,37 @@ $ printf 'percent,E,sd\n1,,0.05\n' > clay.csv; perihom calibrate kappa.yaml
 $ perihom calibrate none.yaml
 ! perihom: error: none.yaml: *
 ? 5
+
+# What the calibration sets itself cannot come from elsewhere too; names are unique.
+$ printf 'percent,E,sd\n1,3.6,0.05\n2.5,0,0.05\n' > clay.csv; perihom calibrate kappa.yaml -o untouched --set microstructure.fillers.0.interphase.kappa=3; perihom calibrate kappa.yaml -o untouched --set microstructure.fillers.0.weight_fraction=0.03; test -e untouched || echo no folder
+! perihom: error: --set microstructure.fillers.0.interphase.kappa: the calibration sets this key*
+! perihom: error: --set microstructure.fillers.0.weight_fraction: the calibration sets this key*
+> no folder
+
+$ sed 's/columns: {/columns: {microstructure.fillers.0.interphase.kappa: percent, /' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! bad.yaml:5: data.columns.microstructure.fillers.0.interphase.kappa: is an unknown*
+? 3
+
+$ sed 's/start: 1}/start: 1, name: x}, materials.clay.E: {from: 100, to: 200, name: x}/' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! bad.yaml:4: unknowns.materials.clay.E.name: 'x' is not admissible: is the name of another unknown
+? 3
+
+$ sed 's/start: 1}/start: 1}, materials.clay.E: {from: 100, to: 200, also: [microstructure.fillers.0.interphase.kappa]}/' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! bad.yaml:4: unknowns.materials.clay.E.also.0: *: is an unknown already
+? 3
+
+# What no realisation can give is refused before one is solved.
+$ sed 's/E1: E/fraction.dirt: E/' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! perihom: error: bad.yaml: data.columns: fraction.dirt: the case has no material 'dirt'
+? 3
+
+$ sed 's/, sigma: sd//' kappa.yaml > bad.yaml; perihom calibrate bad.yaml
+! perihom: error: ./clay.csv:3: E1 is 0: it has no relative error, give a sigma
+? 3
+
+$ ls -d bad-results 2>&1 | grep -c cannot
+> 1
+
+# Cracks are random too: a mean over three realisations, with an error of sampling.
+$ printf '%s\n' 'perihom: 1' 'materials: {m: {E: 3.5, nu: 0.3333333333333333}}' 'microstructure: {dimension: 2, plane: stress, size: [16, 16], nodes: [16, 16], matrix: m, interface: node_centre}' 'model: {kind: bond, horizon: 2}' 'cracks: [{random: {count: 2, length: 4}}]' > cracked.yaml; printf '%s\n' 'calibration: 1' 'case: cracked.yaml' 'unknowns: {materials.m.E: {from: 1, to: 10}}' 'data: {file: c.csv, columns: {E1: E, sigma: 0.1}}' 'budget: {relative_error: 0.9, at_least: 3, realisations: 3}' > c.yaml; printf 'E\n3.3\n' > c.csv; perihom calibrate c.yaml -q | grep '^E1'
+> E1                3.3        0.1 *nan     3

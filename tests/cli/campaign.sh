@@ -70,6 +70,9 @@ campaign -o parts --merge
 check "four shards, merged, are the single run" same parts one
 campaign -o parts --merge parts/shard-2-of-4 parts/shard-4-of-4 parts/shard-2-of-4
 check "merging twice changes nothing" same parts one
+for k in 1 2; do campaign -o 'q [1]*' --shard $k/2 -j 1; done
+campaign -o 'q [1]*' --merge
+check "a folder with letters that a shell would expand" same 'q [1]*' one
 
 # With cheaper models of every realisation: killed, and split by points.
 sed 's/^realisations:.*/realisations: {at_most: 400, until: {quantity: C11, relative_half_width: 0.01}}/' sweep.yaml >models.yaml
@@ -156,6 +159,67 @@ check "... and no folder" test ! -e wrong
 "$perihom" campaign sweep.yaml -o nothing --merge -q 2>err
 check "nothing to merge: exit code 5" test $? -eq 5
 check "... and it says so" grep -q 'there is no nothing/shard-' err
+
+for wrong in '-j 257' '--threads 1025'; do
+    # shellcheck disable=SC2086
+    "$perihom" campaign sweep.yaml -o wrong $wrong >/dev/null 2>&1
+    check "$wrong: exit code 2" test $? -eq 2
+done
+
+# Nothing to rebuild, nothing or something else to merge: refused, and no folder is made.
+for none in '--rebuild' '--merge nothing' '--merge one nothing' '--merge foreign'; do
+    mkdir -p foreign && sed '1s/campaign/champaign/' one/realisations.jsonl >foreign/realisations.jsonl
+    # shellcheck disable=SC2086
+    "$perihom" campaign sweep.yaml -o untouched -q $none >/dev/null 2>err
+    check "$none of nothing: exit code 5" test $? -eq 5
+    check "... and no folder" test ! -e untouched
+done
+
+# What can be refused before anything is computed is refused then. $1: what it says
+refused() {
+    "$perihom" campaign refused.yaml -o untouched -q >/dev/null 2>err
+    check "$1: exit code 3" test $? -eq 3
+    check "... said with file, line and key" grep -q "^refused.yaml:$1" err
+    check "... once" test "$(wc -l <err)" -eq 1
+    check "... and no folder" test ! -e untouched
+}
+printf 'x,y\n0.02,4\n' >measured.csv
+fraction=microstructure.fillers.0.volume_fraction
+{ cat sweep.yaml && echo "data: {file: measured.csv, columns: {$fraction: x, C11: z}}"; } >refused.yaml
+refused "6: data.columns.C11: 'z' is not admissible: measured.csv has no such column"
+{ cat sweep.yaml && echo "data: {file: gone.csv, columns: {$fraction: x, C11: y}}"; } >refused.yaml
+refused '6: data.file: gone.csv: cannot be opened'
+{ cat sweep.yaml && echo "data: {file: measured.csv, columns: {materials.clay.nu: x, C11: y}}"; } >refused.yaml
+refused '6: data.columns.materials.clay.nu: must be a key that varies'
+{ cat sweep.yaml && echo "data: {file: measured.csv, columns: {$fraction: x}}"; } >refused.yaml
+refused '6: data.columns.C11: missing'
+{ cat sweep.yaml && echo 'set: {materials.clay.E: 3}'; } >refused.yaml
+refused '6: set: materials.clay.E: this key varies in the campaign'
+sed 's/clay.E:/clay.F:/' sweep.yaml >refused.yaml
+refused '3: point 0: random.yaml: --set materials.clay.F: unknown key'
+sed 's/^outputs:.*/outputs: [C11, fraction.dirt]/' sweep.yaml >refused.yaml
+refused "5: outputs.1: fraction.dirt: the case has no material 'dirt'"
+sed 's/: 0.02}}/: 0.02, confidence: 0.9999999999999999}}/' sweep.yaml >refused.yaml
+refused '4: realisations.until.confidence: 0.9999999999999999 is not admissible'
+"$perihom" campaign sweep.yaml -o untouched -q --set materials.clay.E=3 2>err
+check "--set of a key that varies: exit code 3" test $? -eq 3
+check "... and it says so" grep -q 'set materials.clay.E: this key varies' err
+
+# Quantities of a case that relaxes.
+cp "$root/tests/cli/cases/relaxing.yaml" .
+printf '%s\n' 'campaign: 1' 'case: relaxing.yaml' 'realisations: 1' 'outputs: ["E1(t=1)", "E1_loss(omega=10)"]' >relax.yaml
+"$perihom" campaign relax.yaml -q >table 2>err
+check "a quantity at a time" test $? -eq 0
+check "... is in the table" grep -q 'E1(t=1)' table
+
+# Names: two keys with one last word, a material with a slash.
+sed 's/clay/"cl\/ay"/' random.yaml | sed 's/material: "cl/material: cl/; s/ay",/ay,/' >slash.yaml
+printf '%s\n' 'campaign: 1' 'case: slash.yaml' 'realisations: 2' 'outputs: [fraction.cl/ay]' \
+    'sweep: {materials.cl/ay.nu: [0.2, 0.3], materials.epoxy.nu: [0.3, 0.35]}' >names.yaml
+"$perihom" campaign names.yaml -q >table 2>err
+check "a material with a slash" test $? -eq 0
+check "two keys with one last word have two names" grep -q 'cl/ay.nu *epoxy.nu' table
+check "two keys with one last word have two pictures" test "$(ls names-results/plots/*-against-* | wc -l)" -eq 2
 
 # A worker that is killed: its realisation is computed again.
 sed 's/realisations:.*/realisations: 12/' sweep.yaml >slow.yaml

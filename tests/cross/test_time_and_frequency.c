@@ -154,75 +154,11 @@ static void test_frequency_is_reduced(void **state)
     CHECK_END();
 }
 
-static double off_rows(int n, int ns, double (*a)[6], double (*b)[6])
-{
-    double most = 0.0, size = 0.0;
-    for (int k = 0; k < n; k++)
-        for (int i = 0; i < ns; i++) {
-            most = fmax(most, fabs(a[k][i] - b[k][i]));
-            size = fmax(size, fabs(b[k][i]));
-        }
-    return most / size;
-}
-
-/* The public call: curves, moduli and responses of all routes that give them, to a tolerance
- * of 1e-4 each. Creep with recovery under a macro stress, by loads of strain (periodic) and
- * of stress (uniform_traction); relaxation with recovery under a macro strain. The response
- * to a stress is the inverse of the tensor: its condition, here below 5, is allowed for. */
-static void test_responses(void **state)
-{
-    (void)state;
-    uint64_t seed = check_seed();
-    static const double times[] = {0.0, 0.05, 0.4, 1.0, 1.5, 2.5, 30.0},
-                        omega[] = {0.1, 3.0};
-    enum { TIMES = sizeof times / sizeof *times };
-    static const char *const constraint[] = {"periodic", "periodic", "uniform_traction"};
-    for (int i = 0; i < 3; i++) {
-        ph_error err = PH_ERROR_INIT;
-        setup s = {PH_PLANE_STRESS, true, {.kind = "local"}, constraint[i], false};
-        ph_microstructure *micro = cell_of(&s, &seed);
-        ph_problem problem = {
-            .micro = micro, .model = s.model, .constraint = {.kind = constraint[i]}};
-        ph_ctx ctx = {.threads = 1};
-        ph_viscoelastic *v[3] = {NULL, NULL, NULL};
-        ph_history *h = NULL;
-        CHECK_OK(ph_history_ramp(3, i, i > 0, 0.8, 0.2, 0.8, 1.0, &h, &err));
-        for (int k = 0; k < 3; k++) {
-            static const char *const route[] = {"reduced", "stepping", "frequency"};
-            ph_relaxation_params p = {route[k], 1e-4,  40,    NULL, 0,
-                                      times,    TIMES, omega, 2,    h};
-            CHECK_OK(ph_viscoelastic_solve(&problem, &p, &ctx, &v[k], &err));
-        }
-        if (v[0] && v[1] && v[2]) {
-            CHECK(v[1]->ncurve == TIMES && v[2]->ndynamic == 2 && v[1]->steps > 0);
-            CHECK(difference(&v[1]->instantaneous, &v[0]->instantaneous) < 1e-4);
-            for (int k = 0; k < TIMES; k++)
-                CHECK_ABS(
-                    difference(&v[1]->curve[k].stiffness, &v[0]->curve[k].stiffness), 0.0,
-                    2e-4);
-            for (int k = 0; k < 2; k++) {
-                CHECK_ABS(
-                    difference(&v[2]->dynamic[k].storage, &v[0]->dynamic[k].storage), 0.0,
-                    1e-3);
-                CHECK_ABS(difference(&v[2]->dynamic[k].loss, &v[0]->dynamic[k].loss), 0.0,
-                          1e-2);
-            }
-            CHECK_ABS(off_rows(TIMES, 3, v[1]->response, v[0]->response), 0.0, 1e-3);
-        }
-        for (int k = 0; k < 3; k++)
-            ph_viscoelastic_free(&v[k]);
-        ph_history_free(&h);
-        ph_microstructure_free(&micro);
-    }
-    CHECK_END();
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_stepping_is_reduced),
         cmocka_unit_test(test_frequency_is_reduced),
-        cmocka_unit_test(test_responses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -61,6 +61,28 @@ static const way ways[] = {
      NULL},
     {"reuss", PH_PLANE_STRESS, 4, {2, 0, 1}, {.kind = "local"}, "reuss", NULL},
     {"carson", PH_PLANE_STRAIN, 4, {1, 0, 2}, {.kind = "local"}, "periodic", "carson"},
+    {"steps", PH_PLANE_STRESS, 4, {2, 0, 3}, {.kind = "local"}, "periodic", "stepping"},
+    {"steps of bonds",
+     PH_PLANE_STRESS,
+     4,
+     {1, 0, 1},
+     {.kind = "bond", .horizon = 1.5},
+     "periodic",
+     "stepping"},
+    {"frequency",
+     PH_PLANE_STRAIN,
+     4,
+     {1, 0, 2},
+     {.kind = "local"},
+     "linear_displacement",
+     "frequency"},
+    {"frequency of bonds",
+     PH_PLANE_STRESS,
+     4,
+     {1, 0, 1},
+     {.kind = "bond", .horizon = 1.5},
+     "periodic",
+     "frequency"},
 };
 
 static void every_allocation_fails(void **state)
@@ -71,18 +93,28 @@ static void every_allocation_fails(void **state)
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         const way *k = &ways[i];
         ph_error err = PH_ERROR_INIT;
+        ph_history *h = NULL;
+        CHECK_OK(ph_history_ramp(3, 0, true, 0.1, 0.1, 1.0, 0.0, &h, &err));
         ph_microstructure *micro = blocks_cell(&seed, k->kin, k->n, k->kinds, 2.0, 1.0, 2,
                                                k->model.kind && k->model.kind[0] == 'b');
-        world w = {
-            .problem = {.micro = micro,
-                        .model = k->model,
-                        .constraint = {.kind = k->constraint},
-                        .solver = {.tolerance = 1e-3}},
-            .params = {.route = k->route, .tolerance = 0.1, .carson = s, .ncarson = 1}};
+        world w = {.problem = {.micro = micro,
+                               .model = k->model,
+                               .constraint = {.kind = k->constraint},
+                               .solver = {.tolerance = 1e-3}},
+                   .params = {.route = k->route,
+                              .tolerance = 0.9,
+                              .carson = s,
+                              .ncarson = 1,
+                              .times = s,
+                              .ntimes = 1,
+                              .omega = s,
+                              .nomega = 1,
+                              .history = k->model.horizon > 0.0 ? NULL : h}};
         CHECK_OK(call(&w, &err)); /* FFTW's and OpenMP's own are made here */
         CHECK(w.result != NULL);
         done(&w);
         if (check_failures == 0) countdown_run(k->what, call, untouched, done, &w);
+        ph_history_free(&h);
         ph_microstructure_free(&micro);
     }
     CHECK_END();

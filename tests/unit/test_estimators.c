@@ -168,6 +168,12 @@ static void realisations_that_do_not_differ(void **state)
     CHECK(run.e.done && run.e.reached && run.e.want[0] == 12);
     CHECK(run.e.estimate.mean == 4 && run.e.estimate.half_width == 0);
     synthetic_free(&run);
+    /* a budget to spend on no scatter: no chain is better than plain (0 / 0) */
+    rule = (ph_estimation_rule){.budget = 40};
+    CHECK_OK(synthetic_estimate(&s, &rule, 1, 0, &run, &err));
+    CHECK(run.e.done && run.e.method == 0 && run.e.nlevels == 1);
+    CHECK(run.e.estimate.mean == 4 && run.e.estimate.half_width == 0);
+    synthetic_free(&run);
     CHECK_END();
 }
 

@@ -110,6 +110,24 @@ static void test_fluid(void **state)
     CHECK_END();
 }
 
+/* A fluid of one Poisson's ratio: rates that are exactly zero are those of 33, 23, 13. */
+static void test_one_fluid(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_material m;
+    const ph_modulus_term e[1] = {{1.0, 20.0}};
+    CHECK_OK(ph_material_viscoelastic_young("pitch", &(ph_modulus){0.0, 1, e}, 0.38, &m,
+                                            &err));
+    ph_prony *r = reduced(m.relaxation, PH_PLANE_STRESS);
+    CHECK(r->nterms == 1 && ph_sym4_norm(&r->equilibrium) == 0.0);
+    CHECK_REL(r->term[0].stiffness.m[0][0], 20.0 / (1.0 - 0.38 * 0.38), 1e-13);
+    CHECK_REL(r->term[0].stiffness.m[2][2], 20.0 / 1.38, 1e-13);
+    ph_prony_free(&r);
+    ph_material_clear(&m);
+    CHECK_END();
+}
+
 /* Forty terms over 24 decades. */
 static void test_many_terms(void **state)
 {
@@ -131,9 +149,8 @@ static void test_many_terms(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_series),
-        cmocka_unit_test(test_isotropic),
-        cmocka_unit_test(test_fluid),
+        cmocka_unit_test(test_random_series), cmocka_unit_test(test_isotropic),
+        cmocka_unit_test(test_fluid),         cmocka_unit_test(test_one_fluid),
         cmocka_unit_test(test_many_terms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

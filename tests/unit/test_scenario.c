@@ -43,6 +43,27 @@ static ph_evaluation evaluate(const ph_case *c, uint64_t i, const ph_quantity *q
     return e;
 }
 
+static void test_what_a_case_admits(void **state)
+{
+    (void)state;
+    ph_case *c = read_case(NULL, 0);
+    ph_quantity q[5];
+    ph_error err = PH_ERROR_INIT;
+    find_all((const char *const[]){"E1", "fraction.f", "E1(t=1)", "E3", "fraction.g"}, 5,
+             q);
+    for (int i = 0; i < 3; i++) /* a time is no material */
+        CHECK_OK(ph_scenario_admits(c, &q[i], &err));
+    CHECK(ph_scenario_admits(c, &q[3], &err) == PH_EINVAL);
+    CHECK(strncmp(err.msg, "E3: ", 4) == 0);
+    err = (ph_error)PH_ERROR_INIT;
+    CHECK(ph_scenario_admits(c, &q[4], &err) == PH_EINVAL);
+    CHECK(strcmp(err.msg, "fraction.g: the case has no material 'g'") == 0);
+    CHECK(ph_scenario_admits(NULL, &q[0], NULL) == PH_EINVAL);
+    CHECK(ph_scenario_admits(c, NULL, NULL) == PH_EINVAL);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
 static void test_the_same_bits(void **state)
 {
     (void)state;
@@ -160,6 +181,7 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_what_a_case_admits),
         cmocka_unit_test(test_the_same_bits),
         cmocka_unit_test(test_common_random_numbers),
         cmocka_unit_test(test_only_the_loads_needed),
