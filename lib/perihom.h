@@ -14,6 +14,8 @@
  *   ph_status ph_<noun>_<verb>(inputs, params, **out, ph_error *err): PH_OK or what failed,
  *   with the reason in `err` (may be NULL). Inputs are borrowed for the call; what comes
  *   out through ** is the caller's and goes back to _free, which accepts NULL and nulls.
+ *   NULL where something must be there: PH_EINVAL, or from what returns a value NaN, 0, false,
+ *   NULL or a tensor with n = 0. What may be NULL says so.
  *   No globals, nothing printed, nothing exits; several problems may run at once. */
 #ifndef PERIHOM_H
 #define PERIHOM_H
@@ -41,6 +43,7 @@
 #include <perihom/quantity.h>
 #include <perihom/relaxation.h>
 #include <perihom/shift.h>
+#include <perihom/superelement.h>
 #include <perihom/table.h>
 #include <perihom/tensor.h>
 #include <perihom/version.h>

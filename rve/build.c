@@ -144,6 +144,7 @@ out:
 ph_status ph_rve_paint(const ph_case *c, const ph_packing *packing,
                        ph_microstructure **out, ph_error *err)
 {
+    PH_GIVEN(c && out);
     ph_status st = PH_OK;
     ph_microstructure *m = NULL;
     ph_grid grid;
@@ -161,6 +162,7 @@ out:
 ph_status ph_rve_generate(const ph_case *c, ph_microstructure **out, ph_packing **packing,
                           ph_error *err)
 {
+    PH_GIVEN(c && out && packing);
     ph_status st = PH_OK;
     ph_packing *p = NULL;
     *out = NULL;
@@ -185,6 +187,7 @@ out:
 
 ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err)
 {
+    PH_GIVEN(c && out);
     ph_packing *packing = NULL;
     ph_status st = ph_rve_generate(c, out, &packing, err);
     ph_packing_free(&packing);

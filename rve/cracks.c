@@ -140,6 +140,7 @@ out:
 
 ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err)
 {
+    PH_GIVEN(c && out);
     ph_status st = PH_OK;
     ph_crack_plan *p = NULL;
     ph_grid g = {.kinematics = c->kinematics};

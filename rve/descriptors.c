@@ -20,6 +20,7 @@ static int count_of(const ph_filler *f, int dimensions)
 
 int ph_rve_descriptor_count(const ph_case *c)
 {
+    if (!c) return 0;
     int n = 0;
     for (int k = 0; k < c->nfillers; k++)
         n += count_of(&c->fillers[k], c->kinematics == PH_SPACE ? 3 : 2);

@@ -177,6 +177,7 @@ static bool is_ball(const ph_solid *s, int dim)
 double ph_solid_distance(const ph_solid *a, const ph_solid *b, const double shift[3],
                          int dim, double enough)
 {
+    if (!a || !b || !shift) return NAN;
     double v[3], at[3];
     if (!is_ball(a, dim) || !is_ball(b, dim))
         return gjk(a, b, shift, 1, dim, enough, v, at);

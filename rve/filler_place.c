@@ -632,6 +632,7 @@ static void orientation_tensors(ph_packing *p, const ph_case *c)
 
 ph_status ph_rve_place(const ph_case *c, ph_packing **out, ph_error *err)
 {
+    PH_GIVEN(c && out);
     ph_status st = PH_OK;
     placing w = {.gap = largest_gap(c)};
     ph_i_generator g = {.c = c};

@@ -207,6 +207,7 @@ out:
 ph_status ph_rve_write_picture(const char *path, const ph_microstructure *m, int matrix,
                                const char *title, ph_error *err)
 {
+    PH_GIVEN(path && m);
     ph_status st = PH_OK;
     ph_i_picture p = {0};
     int size[2];

@@ -41,6 +41,7 @@ static void silence(H5E_auto2_t *print, void **data)
 
 ph_status ph_rve_write_owners(const char *path, const ph_microstructure *m, ph_error *err)
 {
+    PH_GIVEN(path && m);
     ph_status st = PH_OK;
     char *part = NULL;
     H5E_auto2_t print;
@@ -64,6 +65,7 @@ out:
 ph_status ph_rve_read_owners(const char *path, const char *dataset, int dimensions,
                              const ptrdiff_t n[3], int32_t *owner, ph_error *err)
 {
+    PH_GIVEN(path && dataset && n && owner);
     ph_status st = PH_OK;
     H5E_auto2_t print;
     void *data;

@@ -243,6 +243,7 @@ const size_t ph_nshapes = sizeof ph_shapes / sizeof *ph_shapes;
 
 const ph_shape *ph_shape_find(const char *name)
 {
+    if (!name) return NULL;
     for (size_t i = 0; i < ph_nshapes; i++)
         if (strcmp(ph_shapes[i].info.name, name) == 0) return &ph_shapes[i];
     return NULL;
@@ -251,6 +252,7 @@ const ph_shape *ph_shape_find(const char *name)
 ph_status ph_shape_place(const ph_inclusion *inc, const ph_grid *grid, ph_solid *solid,
                          ph_error *err)
 {
+    PH_GIVEN(inc && grid && solid);
     ph_status st = PH_OK;
     int dim = dimensions_of(grid);
     const ph_shape *shape = ph_shape_find(inc->shape);

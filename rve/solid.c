@@ -78,6 +78,7 @@ static double round_level(const ph_solid *s, const double y[3], double grad[3])
 
 double ph_solid_level(const ph_solid *s, const double x[3], double normal[3])
 {
+    if (!s || !x) return NAN;
     double y[3], g[3];
     local(s, x, y);
     double level = round_level(s, y, g);
@@ -303,6 +304,7 @@ static int find_pieces(const box *b, double from, double to, double *at)
 double ph_solid_overlap(const ph_solid *s, int dimensions, const double lo[3],
                         const double hi[3])
 {
+    if (!s || !lo || !hi) return NAN;
     if (dimensions == 2) return ph_i_solid_section(s, 2, s->centre[2], lo, hi);
     int a = s->slice, u = (a + 1) % 3, v = (a + 2) % 3;
     double from = fmax(lo[a], s->centre[a] - s->bounds[a]), sum = 0, at[PIECES_MAX];
@@ -333,6 +335,7 @@ static double face(const ph_solid *s, int dimensions, int axis, double at,
 void ph_solid_area_vector(const ph_solid *s, int dimensions, const double lo[3],
                           const double hi[3], double area[3])
 {
+    if (!s || !lo || !hi || !area) return;
     area[2] = 0;
     for (int a = 0; a < dimensions; a++) {
         /* A little inside, so that a surface lying in a face of the box does not count. */

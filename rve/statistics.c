@@ -195,6 +195,7 @@ out:
 ph_status ph_rve_statistics(const ph_microstructure *m, const ph_packing *p, int matrix,
                             ph_statistics **out, ph_error *err)
 {
+    PH_GIVEN(m && out);
     ph_status st = PH_OK;
     ph_statistics *s = NULL;
     uint8_t *filler = NULL;

@@ -97,6 +97,7 @@ ph_status ph_rve_read_voxels(const char *path, const char *dataset, const char *
                              int dimensions, ptrdiff_t n[3], uint16_t **values,
                              ph_error *err)
 {
+    PH_GIVEN(path && n && values);
     ph_status st = PH_OK;
     ph_voxel_data v = {0};
     *values = NULL;
@@ -190,6 +191,7 @@ ph_status ph_rve_write_voxels(const char *path, const char *dataset, const char 
                               int dimensions, const ptrdiff_t n[3],
                               const uint16_t *values, ph_error *err)
 {
+    PH_GIVEN(path && n && values);
     ph_status st = PH_OK;
     char *part = NULL;
     const ptrdiff_t m[3] = {n[0], n[1], dimensions == 3 ? n[2] : 1};

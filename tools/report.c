@@ -138,10 +138,16 @@ static void put_solver(FILE *to, const ph_result *r)
         fprintf(to, " %d", r->iterations[i]);
         worst = fmax(worst, r->residual[i]);
     }
-    fprintf(to, "; residual %.1e%s\n", worst, r->converged ? "" : ", NOT CONVERGED");
-    fprintf(to,
+    if (r->unchecked) {
+        fprintf(to, "%s\nquality     %s\n", r->converged ? "" : "; NOT CONVERGED",
+                r->unchecked);
+    } else {
+        fprintf(to, "; residual %.1e%s\n", worst, r->converged ? "" : ", NOT CONVERGED");
+        fprintf(
+            to,
             "quality     Hill-Mandel %.1e, asymmetry %.1e, stabilisation energy %.1e\n",
             r->hill_mandel, r->asymmetry, r->stabilisation_energy);
+    }
     fprintf(to, "cost        %s (solve %s), %s, %d thread%s\n",
             report_seconds(r->seconds, total), report_seconds(r->seconds_solve, solve),
             report_bytes(r->peak_bytes, bytes), r->threads, r->threads == 1 ? "" : "s");

@@ -6,12 +6,14 @@
 
 const ph_entry *ph_catalogue_entry(const ph_catalogue *catalogue, size_t i)
 {
+    if (!(catalogue && catalogue->count && i < *catalogue->count)) return NULL;
     return (const ph_entry *)(const void *)((const char *)catalogue->first +
                                             i * catalogue->stride);
 }
 
 int ph_catalogue_find(const ph_catalogue *catalogue, const char *name)
 {
+    if (!(catalogue && catalogue->count && name)) return -1;
     for (size_t i = 0; name && i < *catalogue->count; i++)
         if (strcmp(ph_catalogue_entry(catalogue, i)->name, name) == 0) return (int)i;
     return -1;

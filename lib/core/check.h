@@ -27,6 +27,14 @@
         }                                                                                \
     } while (0)
 
+/* First of a public function: the arguments that must be there are. Nothing is held yet. */
+#define PH_GIVEN(cond)                                                                   \
+    do {                                                                                 \
+        if (cond) {                                                                      \
+        } else                                                                           \
+            return PH_FAIL(err, PH_EINVAL, "an argument is missing: %s", #cond);         \
+    } while (0)
+
 /* Our own mistakes; kept in release builds because it is cheap. */
 #define PH_ASSERT(cond)                                                                  \
     do {                                                                                 \

@@ -147,6 +147,7 @@ ph_distribution ph_distribution_constant(double x)
 
 ph_status ph_distribution_check(const ph_distribution *d, ph_error *err)
 {
+    PH_GIVEN(d);
     ph_status st = PH_OK;
     const double *p = d->p;
     PH_CHECK(d->kind >= 0 && d->kind < (int)ph_ndistributions, PH_EINVAL,
@@ -179,6 +180,7 @@ out:
 
 double ph_distribution_cdf(const ph_distribution *d, double x)
 {
+    if (!d) return NAN;
     const ph_distribution_kind *kind = &ph_distributions[d->kind];
     if (!kind->truncates || (isinf(d->min) && isinf(d->max))) return kind->cdf(d, x);
     double a = kind->cdf(d, d->min), b = kind->cdf(d, d->max);
@@ -189,6 +191,7 @@ double ph_distribution_cdf(const ph_distribution *d, double x)
 
 double ph_distribution_quantile(const ph_distribution *d, double u)
 {
+    if (!d) return NAN;
     const ph_distribution_kind *kind = &ph_distributions[d->kind];
     if (!kind->truncates || (isinf(d->min) && isinf(d->max))) return kind->quantile(d, u);
     double a = isinf(d->min) ? 0 : kind->cdf(d, d->min),
@@ -199,6 +202,7 @@ double ph_distribution_quantile(const ph_distribution *d, double u)
 
 double ph_distribution_mean(const ph_distribution *d, double (*g)(double x))
 {
+    if (!d) return NAN;
     enum { POINTS = 512 };
     double sum = 0;
     for (int i = 0; i < POINTS; i++) {
@@ -210,6 +214,7 @@ double ph_distribution_mean(const ph_distribution *d, double (*g)(double x))
 
 void ph_distribution_range(const ph_distribution *d, double *lo, double *hi)
 {
+    if (!d || !lo || !hi) return;
     *lo = d->min;
     *hi = d->max;
     switch (d->kind) {
@@ -245,11 +250,13 @@ static uint64_t mix(uint64_t z)
 
 double ph_random_uniform(ph_random *r)
 {
+    if (!r) return NAN;
     uint64_t z = mix(mix(mix(mix(r->seed) ^ r->realisation) ^ r->object) ^ r->draw++);
     return ((double)(z >> 12) + 0.5) * 0x1p-52;
 }
 
 double ph_random_normal(ph_random *r)
 {
+    if (!r) return NAN;
     return gsl_cdf_ugaussian_Pinv(ph_random_uniform(r));
 }

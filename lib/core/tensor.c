@@ -36,6 +36,7 @@ int ph_strains(ph_kinematics kin)
 
 ph_sym4 ph_sym4_from_voigt(int n, const double *voigt, bool stiffness)
 {
+    if (!voigt) return (ph_sym4){0};
     ph_sym4 c = {.n = n};
     for (int a = 0; a < n; a++)
         for (int b = 0; b < n; b++) {
@@ -47,6 +48,7 @@ ph_sym4 ph_sym4_from_voigt(int n, const double *voigt, bool stiffness)
 
 void ph_sym4_to_voigt(const ph_sym4 *c, bool stiffness, double *voigt)
 {
+    if (!c || !voigt) return;
     const int n = c->n;
     for (int a = 0; a < n; a++)
         for (int b = 0; b < n; b++) {
@@ -93,6 +95,7 @@ static bool cholesky(const ph_sym4 *c, double L[6][6])
 
 ph_status ph_sym4_inverse(const ph_sym4 *c, ph_sym4 *inv, ph_error *err)
 {
+    PH_GIVEN(c && inv);
     ph_status st = PH_OK;
     const int n = c->n;
     double L[6][6] = {{0}}, M[6][6] = {{0}}; /* M = L^-1 */
@@ -120,6 +123,7 @@ out:
 
 void ph_sym4_eigenvalues(const ph_sym4 *c, double *smallest, double *largest)
 {
+    if (!c) return;
     const int n = c->n;
     double a[6][6] = {{0}};
     for (int i = 0; i < n; i++)
@@ -137,6 +141,7 @@ void ph_sym4_eigenvalues(const ph_sym4 *c, double *smallest, double *largest)
 
 bool ph_sym4_is_stiffness(const ph_sym4 *c)
 {
+    if (!c) return false;
     if (c->n != 3 && c->n != 6) return false;
     double skew = 0.0, norm = 0.0, L[6][6] = {{0}};
     for (int i = 0; i < c->n; i++)
@@ -151,6 +156,7 @@ bool ph_sym4_is_stiffness(const ph_sym4 *c)
 
 ph_sym4 ph_sym4_product(const ph_sym4 *a, const ph_sym4 *b)
 {
+    if (!a || !b) return (ph_sym4){0};
     ph_sym4 c = {.n = a->n};
     for (int i = 0; i < a->n; i++)
         for (int k = 0; k < a->n; k++)
@@ -161,6 +167,7 @@ ph_sym4 ph_sym4_product(const ph_sym4 *a, const ph_sym4 *b)
 
 ph_sym4 ph_sym4_combine(double a, const ph_sym4 *x, double b, const ph_sym4 *y)
 {
+    if (!x || !y) return (ph_sym4){0};
     ph_sym4 c = {.n = x->n};
     for (int i = 0; i < x->n; i++)
         for (int j = 0; j < x->n; j++)
@@ -170,6 +177,7 @@ ph_sym4 ph_sym4_combine(double a, const ph_sym4 *x, double b, const ph_sym4 *y)
 
 double ph_sym4_norm(const ph_sym4 *c)
 {
+    if (!c) return NAN;
     double s = 0.0;
     for (int i = 0; i < c->n; i++)
         for (int j = 0; j < c->n; j++)
@@ -179,6 +187,7 @@ double ph_sym4_norm(const ph_sym4 *c)
 
 ph_sym4 ph_sym4_rotate(const ph_sym4 *c, const double *R)
 {
+    if (!c || !R) return (ph_sym4){0};
     /* In Mandel notation a rotation of space is an orthogonal Q: C' = Q C Q^T. */
     const int n = c->n, d = n == 3 ? 2 : 3;
     ph_sym4 Q = {.n = n}, Qt = {.n = n};
@@ -220,6 +229,7 @@ out:
 
 ph_status ph_sym4_reduce(const ph_sym4 *c, ph_kinematics kin, ph_sym4 *out, ph_error *err)
 {
+    PH_GIVEN(c && out);
     ph_status st = PH_OK;
     PH_CHECK(c->n == 6 || ph_strains(kin) == 3, PH_EINVAL,
              "a plane stiffness cannot become a spatial one");

@@ -3,6 +3,7 @@
 #include <perihom/distribution.h>
 #include <perihom/estimates.h>
 #include <perihom/quantity.h>
+#include <perihom/viscoelastic.h>
 
 #include "model/models.h"
 #include "solve/solver.h"
@@ -25,6 +26,8 @@ static const ph_catalogue catalogues[] = {
      &ph_nestimate_methods, sizeof *ph_estimate_methods},
     {"distributions", "how a quantity of random fillers varies", ph_distributions,
      &ph_ndistributions, sizeof *ph_distributions},
+    {"routes", "how the relaxation of a composite is computed", ph_relaxation_routes,
+     &ph_nrelaxation_routes, sizeof *ph_relaxation_routes},
     {"quantities", "scalars of a result, by name", ph_quantity_kinds, &ph_nquantity_kinds,
      sizeof *ph_quantity_kinds},
     {NULL, NULL, NULL, NULL, 0},

@@ -378,6 +378,7 @@ out:
 ph_status ph_prony_compress(const ph_prony *p, int nterms, double tolerance,
                             ph_prony **out, double *error, ph_error *err)
 {
+    PH_GIVEN(p && out);
     ph_status st = PH_OK;
     *out = NULL;
     PH_CHECK(nterms >= 0, PH_EINVAL, "terms to compress to must be >= 1, got %d", nterms);
@@ -414,6 +415,7 @@ static double worst_ratio(const ph_sym4 *a, const ph_sym4 *b, const ph_sym4 *flo
 
 double ph_prony_difference(const ph_prony *p, const ph_prony *reference)
 {
+    if (!p || !reference) return NAN;
     enum { POINTS = 600 };
     ph_sym4 now = ph_prony_instantaneous(reference), zero = {.n = now.n};
     ph_sym4 floor_ = ph_sym4_combine(1e-3, &now, 0, &zero);

@@ -18,6 +18,7 @@ static ph_engineering no_constants(void)
 
 ph_status ph_engineering_constants(const ph_sym4 *c, ph_engineering *out, ph_error *err)
 {
+    PH_GIVEN(c && out);
     ph_status st = PH_OK;
     const int axes = c->n == 3 ? 2 : 3;
     ph_sym4 s;
@@ -52,6 +53,7 @@ static ph_sym4 isotropic(int n, int d, double K, double G)
 
 ph_isotropic ph_nearest_isotropic(const ph_sym4 *c, ph_kinematics kin)
 {
+    if (!c) return (ph_isotropic){NAN, NAN, NAN, NAN, NAN};
     (void)kin; /* both plane kinematics share the 2D constants; the tensor says which d */
     ph_isotropic r;
     const int n = c->n, d = n == 3 ? 2 : 3;

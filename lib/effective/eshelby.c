@@ -203,6 +203,7 @@ out:
 ph_status ph_hill_tensor_quadrature(const ph_sym4 *c0, ph_inclusion_shape shape,
                                     double aspect, ph_sym4 *p, ph_error *err)
 {
+    PH_GIVEN(c0 && p);
     ph_status st = PH_OK;
     const double e1[3] = {1.0, 0.0, 0.0};
     PH_TRY(check_shape(c0, shape, aspect, err));
@@ -220,6 +221,7 @@ out:
 ph_status ph_hill_tensor(const ph_sym4 *c0, ph_inclusion_shape shape, double aspect,
                          ph_sym4 *p, ph_error *err)
 {
+    PH_GIVEN(c0 && p);
     ph_status st = PH_OK;
     ph_isotropic iso = ph_nearest_isotropic(c0, PH_SPACE);
     if (shape == PH_SHAPE_LAMINATE || iso.distance > 1e-12)
@@ -238,6 +240,7 @@ out:
 ph_status ph_eshelby_tensor(const ph_sym4 *c0, ph_inclusion_shape shape, double aspect,
                             ph_sym4 *s, ph_error *err)
 {
+    PH_GIVEN(c0 && s);
     ph_status st = PH_OK;
     ph_sym4 p;
     PH_TRY(ph_hill_tensor(c0, shape, aspect, &p, err));

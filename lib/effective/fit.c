@@ -179,6 +179,7 @@ out:
 
 double ph_prony_fit_at(const ph_prony_fit *fit, double x, double *loss)
 {
+    if (!fit) return NAN;
     const bool creep = fit->kind == PH_PRONY_CREEP;
     const ph_modulus_term *term = creep ? fit->retardation : fit->modulus.term;
     const int n = creep ? fit->nretardations : fit->modulus.nterms;
@@ -361,6 +362,7 @@ out:
 ph_status ph_prony_fit_new(const ph_prony_data *data, const ph_prony_fit_params *params,
                            ph_prony_fit **out, ph_error *err)
 {
+    PH_GIVEN(data && out);
     ph_status st = PH_OK;
     static const ph_prony_fit_params automatic = {.terms = 0};
     const ph_prony_fit_params *p = params ? params : &automatic;

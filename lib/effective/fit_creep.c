@@ -145,6 +145,7 @@ ph_status ph_modulus_of_creep(double instantaneous, int n,
                               double *infinity, int *nterms, ph_modulus_term *term,
                               ph_error *err)
 {
+    PH_GIVEN(infinity && nterms && term && (retardation || n == 0));
     ph_status st = PH_OK;
     ph_modulus_term *sorted = NULL;
     PH_TRY(check_compliance(instantaneous, n, retardation, fluidity, err));

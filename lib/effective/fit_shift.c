@@ -161,6 +161,7 @@ out:
 ph_status ph_shift_overlap(const ph_prony_data *data, const double *temperature,
                            double reference, double *factor, double *gap, ph_error *err)
 {
+    PH_GIVEN(data && temperature && factor);
     ph_status st = PH_OK;
     curve *c = NULL;
     point *room = NULL;

@@ -279,6 +279,36 @@ out:
     return st;
 }
 
+/* Norm of the stiffest phase at this frequency. */
+static double stiffest(const ph_microstructure *micro, double omega)
+{
+    double most = 0.0;
+    for (int p = 0; p < micro->nmaterials; p++) {
+        const ph_material *m = &micro->materials[p];
+        ph_sym4 re = m->stiffness, im = {.n = 6};
+        if (m->is_void) continue;
+        if (m->relaxation) ph_prony_complex(m->relaxation, omega, &re, &im);
+        most = fmax(most, hypot(ph_sym4_norm(&re), ph_sym4_norm(&im)));
+    }
+    return most;
+}
+
+/* A mean stress may be off by the residual times the stiffest phase (a thousandth of that is
+ * usual): a composite softer than that is noise. */
+static ph_status check_noise(const sweep *s, const ph_complex_modulus *c, ph_error *err)
+{
+    ph_status st = PH_OK;
+    double size = hypot(ph_sym4_norm(&c->storage), ph_sym4_norm(&c->loss));
+    double noise = c->residual * stiffest(s->run->problem->micro, c->omega);
+    PH_CHECK(noise <= size, PH_ENOCONV,
+             "the effective modulus, %.2g, is below what the residual may leave of the "
+             "stress averages, %.2g: ask for a lower solver.tolerance, or take route "
+             "reduced",
+             size, noise);
+out:
+    return st;
+}
+
 ph_status ph_i_frequency(ph_run *run, double tolerance, int n, const double *omega,
                          ph_complex_modulus *out, ph_error *err)
 {
@@ -290,6 +320,7 @@ ph_status ph_i_frequency(ph_run *run, double tolerance, int n, const double *ome
                  "an angular frequency must be > 0, got %g", omega[k]);
         out[k] = (ph_complex_modulus){.omega = omega[k]};
         st = one_frequency(&s, &out[k], err);
+        if (st == PH_OK) st = check_noise(&s, &out[k], err);
         if (st != PH_OK) {
             ph_error_prefix(err, "frequency %g: ", omega[k]);
             goto out;

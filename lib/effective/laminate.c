@@ -93,6 +93,7 @@ out:
 ph_status ph_sym4_laminate(const ph_sym4 *c1, const ph_sym4 *c2, double fraction2,
                            const double normal[3], ph_sym4 *out, ph_error *err)
 {
+    PH_GIVEN(c1 && c2 && normal && out);
     ph_status st = PH_OK;
     const int n = c1->n, d = n == 3 ? 2 : 3;
     const double f1 = 1.0 - fraction2, f2 = fraction2;

@@ -58,11 +58,13 @@ out:
 
 int ph_point_components(const ph_point_material *material)
 {
+    if (!material) return 0;
     return material->n;
 }
 
 size_t ph_point_state_size(const ph_point_material *material)
 {
+    if (!material) return 0;
     return (size_t)material->n * (size_t)(1 + material->terms);
 }
 
@@ -90,6 +92,7 @@ ph_status ph_point_update(const ph_point_material *m, double *state,
                           const double *dstrain, double dt, double *stress,
                           double *tangent)
 {
+    if (!m || !state || !dstrain || !stress) return PH_EINVAL;
     int n = m->n;
     bool good = dt >= 0.0 && isfinite(dt);
     for (int i = 0; i < n; i++)
@@ -107,5 +110,31 @@ ph_status ph_point_update(const ph_point_material *m, double *state,
             tangent[i] += g * c[i];
     }
     memcpy(stress, sum, sizeof(double) * (size_t)n);
+    return PH_OK;
+}
+
+ph_status ph_points_update(const ph_point_material *m, ptrdiff_t points, double *state,
+                           const double *dstrain, double dt, double *stress,
+                           double *tangent)
+{
+    if (!m || points < 0 || (points > 0 && (!state || !dstrain || !stress)))
+        return PH_EINVAL;
+    const int n = m->n;
+    const ptrdiff_t size = (ptrdiff_t)ph_point_state_size(m);
+    bool good = dt >= 0.0 && isfinite(dt);
+    for (ptrdiff_t i = 0; good && i < points * n; i++)
+        good = isfinite(dstrain[i]);
+    if (!good) return PH_EINVAL;
+    if (points > 0) memset(stress, 0, sizeof(double) * (size_t)(points * n));
+    if (tangent) memcpy(tangent, m->elastic, sizeof(double) * (size_t)(n * n));
+    for (int k = -1; k < m->terms; k++) { /* -1: the elastic part */
+        const double *c = k < 0 ? m->elastic : m->c + (ptrdiff_t)k * n * n;
+        double decay = 1.0, g = k < 0 ? 1.0 : mean_decay(dt / m->time[k], &decay);
+        for (ptrdiff_t p = 0; p < points; p++)
+            relax(n, c, decay, g, dstrain + p * n, state + p * size + (1 + k) * n,
+                  stress + p * n);
+        for (int i = 0; k >= 0 && tangent && i < n * n; i++)
+            tangent[i] += g * c[i];
+    }
     return PH_OK;
 }

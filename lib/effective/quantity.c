@@ -417,11 +417,13 @@ out:
 
 const char *ph_quantity_refuses(const ph_quantity *q, ph_kinematics kin)
 {
+    if (!(q && q->kind)) return "not a quantity";
     return q->kind->refuses(q, kin);
 }
 
 unsigned ph_quantity_loads(const ph_quantity *q, ph_kinematics kin)
 {
+    if (!(q && q->kind)) return 0;
     return q->kind->loads(q, kin);
 }
 

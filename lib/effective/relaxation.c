@@ -19,6 +19,7 @@ void ph_constants_free(ph_constants **constants)
 
 const ph_constant *ph_constants_find(const ph_constants *constants, const char *name)
 {
+    if (!constants || !name) return NULL;
     for (int i = 0; i < constants->count; i++)
         if (strcmp(constants->item[i].name, name) == 0) return &constants->item[i];
     return NULL;
@@ -156,6 +157,7 @@ out:
 
 ph_status ph_constants_new(const ph_prony *p, ph_constants **out, ph_error *err)
 {
+    PH_GIVEN(p && out);
     ph_status st = PH_OK;
     ph_constants *c = NULL;
     ph_error why = PH_ERROR_INIT;
@@ -180,6 +182,7 @@ out:
 ph_status ph_prony_grid(const ph_prony *p, bool frequencies, int per_decade, int *count,
                         double **grid, ph_error *err)
 {
+    PH_GIVEN(p && count && grid);
     enum { MOST = 400 };
     ph_status st = PH_OK;
     double first = p->nterms ? p->term[0].time : 1;
@@ -233,6 +236,7 @@ static double *cell(ph_table *table, int column, int row)
 ph_status ph_constants_curves(const ph_constants *c, int ntimes, const double *times,
                               ph_table **out, ph_error *err)
 {
+    PH_GIVEN(c && out && (times || ntimes == 0));
     static const char *const suffix[] = {""};
     ph_status st = new_table(c, 1, "time", suffix, ntimes, out, err);
     if (st != PH_OK) return st;
@@ -247,6 +251,7 @@ ph_status ph_constants_curves(const ph_constants *c, int ntimes, const double *t
 ph_status ph_constants_dynamic(const ph_constants *c, int nomega, const double *omega,
                                ph_table **out, ph_error *err)
 {
+    PH_GIVEN(c && out && (omega || nomega == 0));
     static const char *const suffix[] = {"_storage", "_loss", "_tan_delta"};
     ph_status st = new_table(c, 3, "omega", suffix, nomega, out, err);
     if (st != PH_OK) return st;
@@ -266,6 +271,7 @@ ph_status ph_constants_dynamic(const ph_constants *c, int nomega, const double *
 
 ph_status ph_prony_table(const ph_prony *p, ph_table **out, ph_error *err)
 {
+    PH_GIVEN(p && out);
     ph_status st = PH_OK;
     ph_constants c = {0};
     PH_TRY(put_components(&c, p, err));

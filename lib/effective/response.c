@@ -123,6 +123,7 @@ static void creeps(walker *w, const ph_creep *c)
 ph_status ph_prony_response(const ph_prony *p, const ph_history *history, int ntimes,
                             const double *times, double (*response)[6], ph_error *err)
 {
+    PH_GIVEN(p && history && response && (times || ntimes == 0));
     ph_status st = PH_OK;
     ph_creep *creep = NULL;
     walker w = {.history = history, .n = p->equilibrium.n};

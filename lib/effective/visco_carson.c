@@ -46,14 +46,39 @@ static void same_discretisation(const ph_visco *v, const ph_microstructure *at, 
             ph_i_visco_softness(&c) * ph_i_visco_factor(v, s) / softest;
 }
 
+/* The elastic problem of s becomes that of the answer. */
+static ph_status solve_at(const ph_visco *v, const ph_problem *problem, double s,
+                          ph_material *phase, const ph_ctx *ctx, ph_viscoelastic *out,
+                          int *iterations, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_microstructure at;
+    ph_problem elastic = *problem;
+    ph_result *result = NULL;
+    *iterations = 0;
+    elastic.micro = &at;
+    PH_TRY(phases_at(problem->micro, s, phase, &at, err));
+    same_discretisation(v, &at, s, &elastic);
+    st = ph_homogenise(&elastic, ctx, &result, err);
+    for (int a = 0; result && a < result->nloads; a++)
+        *iterations += result->iterations[a];
+    if (st != PH_OK) ph_error_prefix(err, "Carson variable %g: ", s);
+    out->iterations += *iterations;
+    if (result) out->applications += result->applications;
+    ph_result_free(&out->elastic);
+    out->elastic = result;
+out:
+    return st;
+}
+
 ph_status ph_i_relaxation_carson(const ph_problem *problem,
                                  const ph_relaxation_params *params, const ph_ctx *ctx,
                                  ph_viscoelastic *out, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_material *phase = NULL;
-    ph_microstructure at;
     double start = ph_i_run_now();
+    int iterations;
     ph_visco v = {0};
     PH_CHECK(params->ncarson > 0, PH_EINVAL, "route carson needs Carson variables");
     PH_TRY(ph_i_visco_choose(&v, problem, ctx, err));
@@ -61,28 +86,14 @@ ph_status ph_i_relaxation_carson(const ph_problem *problem,
     PH_ALLOC(out->values, params->ncarson, "values of the Carson variable");
     PH_ALLOC(out->points, params->ncarson, "values of the Carson variable");
     for (int i = 0; i < params->ncarson; i++) {
-        ph_problem elastic = *problem;
-        ph_result *result = NULL;
         double s = params->carson[i];
-        int iterations = 0;
-        elastic.micro = &at;
-        PH_TRY(phases_at(problem->micro, s, phase, &at, err));
-        same_discretisation(&v, &at, s, &elastic);
-        st = ph_homogenise(&elastic, ctx, &result, err);
-        for (int a = 0; result && a < result->nloads; a++)
-            iterations += result->iterations[a];
-        if (st == PH_OK) {
-            out->values[out->nvalues++] = (ph_carson_value){s, result->stiffness};
-            out->points[out->npoints++] =
-                (ph_carson_point){s, (double)NAN, iterations, 0};
-            out->iterations += iterations;
-            out->applications += result->applications;
-        } else
-            ph_error_prefix(err, "Carson variable %g: ", s);
-        ph_result_free(&out->elastic);
-        out->elastic = result;
-        if (st != PH_OK) goto out;
+        PH_TRY(solve_at(&v, problem, s, phase, ctx, out, &iterations, err));
+        out->values[out->nvalues++] = (ph_carson_value){s, out->elastic->stiffness};
+        out->points[out->npoints++] = (ph_carson_point){s, (double)NAN, iterations, 0};
     }
+    /* what the elastic report is about */
+    PH_TRY(solve_at(&v, problem, INFINITY, phase, ctx, out, &iterations, err));
+    out->instantaneous = out->elastic->stiffness;
     out->seconds = ph_i_run_now() - start;
 out:
     free(phase);

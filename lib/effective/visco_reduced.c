@@ -133,7 +133,8 @@ static ph_status walk_on(ph_visco *v, int most, ph_error *err)
         }
         PH_CHECK(v->out->npoints < most, PH_ENOCONV,
                  "after %d values of s the error may still be %.2g (tolerance %.2g)",
-                 v->out->npoints, doubt * w.kappa * largest, v->tolerance);
+                 v->out->npoints, fmax(v->out->error, doubt * w.kappa * largest),
+                 v->tolerance);
         PH_TRY(go(v, &w, next, false, inner_share / (ns * ns), err));
     }
 out:

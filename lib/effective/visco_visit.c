@@ -133,6 +133,7 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
     now->idle[a] = norm <= no_load * largest_load(v) ||
                    (!(v->least > 0.0) && norm <= tolerance * size);
     memset(v->d[a], 0, sizeof *v->d[a] * n);
+    if (v->out->npoints == 0) r->result->nloads = a + 1; /* the instantaneous problem */
     if (now->idle[a]) return PH_OK;
     ph_cg_report report = {
         .tolerance = v->least > 0.0 ? no_load : fmin(0.5, tolerance * size / norm),
@@ -146,11 +147,7 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
     memcpy(v->f, v->r[a], sizeof *v->f * n);
     st = r->solver->solve(r->state, v->f, v->d[a], &report, err);
     v->out->iterations += report.iterations;
-    if (v->out->npoints == 0) { /* the instantaneous problem */
-        r->result->iterations[a] = report.iterations;
-        r->result->residual[a] = report.residual * norm / size;
-        r->result->nloads = a + 1;
-    }
+    if (v->out->npoints == 0) r->result->iterations[a] = report.iterations;
     now->left[a] = report.energy_left / cells;
     /* As far as arithmetic goes: of a contrast of 1e12 that may be above what was asked. */
     if (st == PH_ENOCONV && v->least > 0.0 &&

@@ -112,8 +112,9 @@ out:
 static ph_status check_params(const ph_relaxation_params *p, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_CHECK(p->tolerance == 0.0 || (p->tolerance > 0.0 && p->tolerance < 1.0), PH_EINVAL,
-             "relaxation tolerance must be in (0, 1), got %g", p->tolerance);
+    PH_CHECK(p->tolerance == 0.0 || (p->tolerance >= 1e-12 && p->tolerance < 1.0),
+             PH_EINVAL, "relaxation tolerance must be in [1e-12, 1), got %g",
+             p->tolerance);
     PH_CHECK(p->max_points >= 0, PH_EINVAL, "max_points must not be negative, got %d",
              p->max_points);
     PH_CHECK(p->ncarson >= 0 && (p->ncarson == 0 || p->carson), PH_EINVAL,

@@ -44,6 +44,7 @@ static ph_sym4 orthotropic_part(const ph_sym4 *c)
 
 double ph_symmetry_project(const ph_sym4 *c, ph_symmetry symmetry, ph_sym4 *out)
 {
+    if (!c) return NAN;
     ph_sym4 p = symmetry == PH_SYMMETRY_ISOTROPIC     ? isotropic_part(c)
                 : symmetry == PH_SYMMETRY_ORTHOTROPIC ? orthotropic_part(c)
                                                       : *c;

@@ -94,6 +94,7 @@ ph_status ph_case_parse(const char *text, size_t length, const char *name,
                         const char *const *sets, size_t nsets, ph_case **out,
                         ph_case_issues *issues, ph_error *err)
 {
+    PH_GIVEN(text && name && out && (sets || nsets == 0));
     ph_status st = PH_OK;
     ph_case_issues own = {0};
     ph_i_node *root = NULL;
@@ -123,6 +124,7 @@ out:
 ph_status ph_case_read(const char *path, const char *const *sets, size_t nsets,
                        ph_case **out, ph_case_issues *issues, ph_error *err)
 {
+    PH_GIVEN(path && out && (sets || nsets == 0));
     ph_status st = PH_OK;
     char *text = NULL;
     size_t length = 0;

@@ -18,6 +18,7 @@ void ph_case_issues_free(ph_case_issues *issues)
 void ph_case_issue_text(const ph_case_issue *issue, const char *name, char *text,
                         size_t size)
 {
+    if (!(issue && name && text && size > 0)) return;
     const char *kind = issue->warning ? "warning: " : "";
     if (issue->line > 0)
         snprintf(text, size, "%s:%d: %s%s", name, issue->line, kind, issue->message);

@@ -264,6 +264,7 @@ out:
 
 ph_status ph_case_to_json(const ph_case *c, char **json, ph_error *err)
 {
+    PH_GIVEN(c && json);
     ph_status st = PH_OK;
     json_t *map = NULL;
     *json = NULL;

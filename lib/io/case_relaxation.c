@@ -20,6 +20,7 @@ static const char time_rule[] = "a relaxation time must be a number > 0";
 
 bool ph_case_relaxes(const ph_case *c)
 {
+    if (!c) return false;
     for (int i = 0; i < c->nmaterials; i++)
         if (c->materials[i].relaxation) return true;
     return false;

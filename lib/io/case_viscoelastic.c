@@ -230,6 +230,39 @@ static void read_compression(ph_i_reader *r, const ph_i_node *map,
     out->terms = (int)count;
 }
 
+/* Below 1e-12 the error is that of the arithmetic, which no route can state. */
+static void read_tolerance(ph_i_reader *r, const ph_i_node *node, double *out)
+{
+    static const char rule[] = "the relative error must be at least 1e-12 and < 1";
+    if (ph_i_read_number(r, node, 0, 1, rule, out) && *out < 1e-12)
+        ph_i_reject(r, node, PH_EINVAL, "%s", rule);
+}
+
+/* What the route cannot do is refused, what it does not look at is said. */
+static void check_route(ph_i_reader *r, const ph_i_node *map)
+{
+    static const struct {
+        const char *key, *routes; /* routes that read it */
+    } used[] = {{"terms", "reduced"},
+                {"compression", "reduced"},
+                {"times", "reduced stepping"},
+                {"history", "reduced stepping"},
+                {"frequencies", "reduced frequency"}};
+    const char *route = r->c->viscoelastic.route, *kind = r->c->constraint.kind;
+    bool equations = strcmp(route, "stepping") == 0 || strcmp(route, "frequency") == 0;
+    if (equations && kind && (strcmp(kind, "voigt") == 0 || strcmp(kind, "reuss") == 0))
+        ph_i_reject(r, ph_i_get(map, "route"), PH_EINVAL,
+                    "constraint %s has no equations to solve: route must be reduced or "
+                    "carson",
+                    kind);
+    for (size_t i = 0; i < sizeof used / sizeof *used; i++) {
+        const ph_i_node *node = ph_i_get(map, used[i].key);
+        if (node && !strstr(used[i].routes, route))
+            ph_i_complain(r, node, PH_OK, "route %s does not use it: it has no effect",
+                          route);
+    }
+}
+
 ph_status ph_i_read_viscoelastic(ph_i_reader *r, const ph_i_node *map, ph_error *err)
 {
     static const char rule[] = "must be a map such as {route: reduced, tolerance: 1e-4}";
@@ -245,15 +278,14 @@ ph_status ph_i_read_viscoelastic(ph_i_reader *r, const ph_i_node *map, ph_error 
     if ((node = ph_i_get(map, "route")) &&
         (i = ph_i_read_name(r, node, ph_i_route_names)) >= 0)
         v->route = ph_i_route_names.name[i];
-    if ((node = ph_i_get(map, "tolerance")))
-        ph_i_read_number(r, node, 0, 1, "the relative error must be > 0 and < 1",
-                         &v->tolerance);
+    if ((node = ph_i_get(map, "tolerance"))) read_tolerance(r, node, &v->tolerance);
     read_compression(r, map, v);
     if ((node = ph_i_get(map, "times")))
         PH_TRY(read_increasing(r, node, &v->ntimes, &v->times, err));
     if ((node = ph_i_get(map, "frequencies")))
         PH_TRY(read_increasing(r, node, &v->nfrequencies, &v->frequencies, err));
     if ((node = ph_i_get(map, "history"))) PH_TRY(read_history(r, node, err));
+    check_route(r, map);
     if (r->invalid == 0 && r->unphysical == 0 && !ph_case_relaxes(r->c))
         ph_i_complain(r, map, PH_OK, "no material relaxes: the section has no effect");
 out:

@@ -271,6 +271,7 @@ static ph_status draw_map(const void *what, ph_i_canvas *c, ph_error *err)
 
 ph_status ph_heatmap_svg(const ph_heatmap *map, char **text, ph_error *err)
 {
+    PH_GIVEN(map && text);
     ph_status st = PH_OK;
     PH_TRY(check_map(map, err));
     const ph_i_drawing d = {width_of(map), height_of(map), map->title, draw_map, map};
@@ -281,6 +282,7 @@ out:
 
 ph_status ph_heatmap_write(const char *path, const ph_heatmap *map, ph_error *err)
 {
+    PH_GIVEN(path && map);
     ph_status st = PH_OK;
     PH_TRY(check_map(map, err));
     const ph_i_drawing d = {width_of(map), height_of(map), map->title, draw_map, map};

@@ -213,6 +213,7 @@ out:
 
 ph_status ph_plot_svg(const ph_plot *plot, char **text, ph_error *err)
 {
+    PH_GIVEN(plot && text);
     ph_status st = PH_OK;
     PH_TRY(check_plot(plot, err));
     const ph_i_drawing d = {width_of(plot), height_of(plot), plot->title, draw_plot,
@@ -224,6 +225,7 @@ out:
 
 ph_status ph_plot_write(const char *path, const ph_plot *plot, ph_error *err)
 {
+    PH_GIVEN(path && plot);
     ph_status st = PH_OK;
     PH_TRY(check_plot(plot, err));
     const ph_i_drawing d = {width_of(plot), height_of(plot), plot->title, draw_plot,

@@ -201,6 +201,7 @@ ph_status ph_relaxation_report_new(const ph_viscoelastic *v,
                                    const ph_case_viscoelastic *wanted,
                                    ph_relaxation_report **out, ph_error *err)
 {
+    PH_GIVEN(v && out);
     ph_status st = PH_OK;
     ph_relaxation_report *r = NULL;
     *out = NULL;

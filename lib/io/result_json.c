@@ -38,7 +38,8 @@ static ph_status put_text(json_t *obj, const char *key, const char *text, ph_err
 static ph_status put_real(draft_document *d, json_t *obj, const char *path,
                           const char *key, double x, ph_error *err)
 {
-    return ph_i_json_put_number(obj, path, key, x, d->reasons, "not computed", err);
+    const char *why = d->result->unchecked ? d->result->unchecked : "not computed";
+    return ph_i_json_put_number(obj, path, key, x, d->reasons, why, err);
 }
 
 static ph_status put_reason(draft_document *d, const char *path, const char *why,
@@ -417,8 +418,9 @@ static ph_status put_solver(draft_document *d, ph_error *err)
         PH_TRY(ph_i_json_add(iterations, json_integer(r->iterations[i]), err));
         PH_TRY(ph_i_json_add(residual, ph_i_json_number(r->residual[i]), err));
         if (!isfinite(r->residual[i]))
-            PH_TRY(put_reason(d, "solver.residual", "not finite: the solver broke down",
-                              err));
+            PH_TRY(put_reason(
+                d, "solver.residual",
+                r->unchecked ? r->unchecked : "not finite: the solver broke down", err));
     }
     PH_TRY(ph_i_json_put(solver, "loads", json_incref(loads), err));
     PH_TRY(ph_i_json_put(solver, "iterations", json_incref(iterations), err));

@@ -408,6 +408,7 @@ static char folded(char ch)
 
 int ph_table_column(const ph_table *table, const char *name)
 {
+    if (!table || !name) return -1;
     for (int k = 0; k < table->ncolumns; k++)
         if (strcmp(table->name[k], name) == 0) return k;
     for (int k = 0; k < table->ncolumns; k++) {
@@ -435,6 +436,7 @@ static void grow_name(ph_i_growing *g, const char *name, bool alone)
 
 ph_status ph_table_to_csv(const ph_table *table, char **text, ph_error *err)
 {
+    PH_GIVEN(table && text);
     ph_status st = PH_OK;
     ph_i_growing g = {.text = NULL};
     for (int k = 0; k < table->ncolumns; k++) {

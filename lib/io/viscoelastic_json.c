@@ -171,6 +171,7 @@ static void put_rows(FILE *to, const ph_sym4 *c, int indent)
 ph_status ph_prony_to_yaml(const ph_prony *p, const char *name, char **text,
                            ph_error *err)
 {
+    PH_GIVEN(p && text);
     ph_status st = PH_OK;
     size_t size = 0;
     FILE *to = NULL;

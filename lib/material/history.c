@@ -8,6 +8,7 @@
 
 ph_status ph_history_new(int n, int npoints, bool stress, ph_history **out, ph_error *err)
 {
+    PH_GIVEN(out);
     ph_status st = PH_OK;
     ph_history *h = NULL;
     *out = NULL;
@@ -38,6 +39,7 @@ void ph_history_free(ph_history **history)
 
 ph_status ph_history_validate(const ph_history *h, ph_error *err)
 {
+    PH_GIVEN(h);
     ph_status st = PH_OK;
     PH_CHECK((h->n == 3 || h->n == 6) && h->npoints >= 1, PH_EINVAL,
              "a history has 3 or 6 components and at least one point, got %d and %d",
@@ -70,6 +72,7 @@ out:
 ph_status ph_history_ramp(int n, int component, bool stress, double value, double rise,
                           double hold, double rest, ph_history **out, ph_error *err)
 {
+    PH_GIVEN(out);
     ph_status st = PH_OK;
     const double at[5] = {0, rise, rise + hold, 2 * rise + hold, 2 * rise + hold + rest};
     const double level[5] = {0, 1, 1, 0, 0};
@@ -92,6 +95,7 @@ out:
 ph_status ph_history_cycle(int n, int component, bool stress, const ph_cycle *cycle,
                            ph_history **out, ph_error *err)
 {
+    PH_GIVEN(cycle && out);
     ph_status st = PH_OK;
     const int cycles = cycle->cycles, points = cycle->points;
     const double two_pi = 2 * acos(-1.0);
@@ -118,6 +122,7 @@ out:
 
 void ph_history_at(const ph_history *h, double time, double value[6])
 {
+    if (!h || !value) return;
     int next = 0; /* first point after `time` */
     while (next < h->npoints && h->time[next] <= time)
         next++;

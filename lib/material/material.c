@@ -15,6 +15,7 @@ static ph_material unnamed(const char *name)
 ph_status ph_material_isotropic(const char *name, double E, double nu, ph_material *out,
                                 ph_error *err)
 {
+    PH_GIVEN(name && out);
     ph_status st = PH_OK;
     ph_material m = unnamed(name);
     PH_CHECK(E > 0.0 && isfinite(E), PH_EUNPHYSICAL,
@@ -33,6 +34,7 @@ out:
 ph_status ph_material_anisotropic(const char *name, const double voigt[36],
                                   const double *R, ph_material *out, ph_error *err)
 {
+    PH_GIVEN(name && voigt && out);
     ph_status st = PH_OK;
     ph_material m = unnamed(name);
     double largest = 0.0, lo, hi;

@@ -33,6 +33,7 @@ out:
 
 ph_status ph_prony_validate(const ph_prony *p, ph_error *err)
 {
+    PH_GIVEN(p);
     ph_status st = PH_OK;
     const int n = p->equilibrium.n;
     PH_CHECK(n == 3 || n == 6, PH_EINVAL, "a series of tensors has n = 3 or 6, got %d",
@@ -81,6 +82,7 @@ out:
 ph_status ph_prony_new(const ph_sym4 *equilibrium, int nterms, const ph_prony_term *term,
                        ph_prony **out, ph_error *err)
 {
+    PH_GIVEN(equilibrium && out && (term || nterms == 0));
     ph_status st = PH_OK;
     ph_prony *p = NULL;
     *out = NULL;
@@ -102,6 +104,7 @@ out:
 
 ph_status ph_prony_copy(const ph_prony *p, ph_prony **out, ph_error *err)
 {
+    PH_GIVEN(out);
     *out = NULL;
     return p ? duplicate(&p->equilibrium, p->nterms, p->term, out, err) : PH_OK;
 }
@@ -123,6 +126,7 @@ static void add(ph_sym4 *sum, double factor, const ph_sym4 *c)
 
 ph_sym4 ph_prony_at_time(const ph_prony *p, double t)
 {
+    if (!p) return (ph_sym4){0};
     ph_sym4 c = p->equilibrium;
     for (int m = 0; m < p->nterms; m++)
         add(&c, exp(-t / p->term[m].time), &p->term[m].stiffness);
@@ -131,6 +135,7 @@ ph_sym4 ph_prony_at_time(const ph_prony *p, double t)
 
 ph_sym4 ph_prony_carson(const ph_prony *p, double s)
 {
+    if (!p) return (ph_sym4){0};
     ph_sym4 c = p->equilibrium;
     for (int m = 0; m < p->nterms; m++)
         /* x/(1+x) written with 1/x: an x that overflows or vanishes has its limit */
@@ -140,6 +145,7 @@ ph_sym4 ph_prony_carson(const ph_prony *p, double s)
 
 void ph_prony_complex(const ph_prony *p, double omega, ph_sym4 *re, ph_sym4 *im)
 {
+    if (!p || !re || !im) return;
     *re = p->equilibrium;
     *im = (ph_sym4){.n = re->n};
     for (int m = 0; m < p->nterms; m++) {
@@ -151,11 +157,13 @@ void ph_prony_complex(const ph_prony *p, double omega, ph_sym4 *re, ph_sym4 *im)
 
 ph_sym4 ph_prony_instantaneous(const ph_prony *p)
 {
+    if (!p) return (ph_sym4){0};
     return ph_prony_carson(p, INFINITY);
 }
 
 void ph_prony_rotate(ph_prony *p, const double *R)
 {
+    if (!p || !R) return;
     p->equilibrium = ph_sym4_rotate(&p->equilibrium, R);
     for (int m = 0; m < p->nterms; m++)
         p->term[m].stiffness = ph_sym4_rotate(&p->term[m].stiffness, R);
@@ -163,6 +171,7 @@ void ph_prony_rotate(ph_prony *p, const double *R)
 
 ph_status ph_prony_scale_times(ph_prony *p, double factor, ph_error *err)
 {
+    PH_GIVEN(p);
     ph_status st = PH_OK;
     PH_CHECK(factor > 0 && isfinite(factor), PH_EUNPHYSICAL,
              "the factor of the relaxation times must be > 0 and finite, got %g", factor);

@@ -55,6 +55,7 @@ static int residues(const ph_i_network *w, int n, const double *P, ph_prony_term
 
 ph_status ph_prony_creep(const ph_prony *p, ph_creep **out, ph_error *err)
 {
+    PH_GIVEN(p && out);
     static const int all[6] = {0, 1, 2, 3, 4, 5};
     ph_status st = PH_OK;
     ph_i_network w = {0};
@@ -103,11 +104,13 @@ static ph_sym4 creep_sum(const ph_creep *creep, double t, bool carson)
 
 ph_sym4 ph_creep_at_time(const ph_creep *creep, double t)
 {
+    if (!creep) return (ph_sym4){0};
     return creep_sum(creep, t, false);
 }
 
 ph_sym4 ph_creep_carson(const ph_creep *creep, double s)
 {
+    if (!creep) return (ph_sym4){0};
     return creep_sum(creep, s, true);
 }
 
@@ -185,6 +188,7 @@ out:
 ph_status ph_prony_reduce(const ph_prony *p, ph_kinematics kin, ph_prony **out,
                           ph_error *err)
 {
+    PH_GIVEN(p && out);
     ph_status st = PH_OK;
     *out = NULL;
     if (p->equilibrium.n == 6 && kin == PH_PLANE_STRESS) {
@@ -205,12 +209,14 @@ out:
 
 void ph_curve_free(ph_curve *curve)
 {
+    if (!curve) return;
     free(curve->term);
     *curve = (ph_curve){0};
 }
 
 double ph_curve_at_time(const ph_curve *curve, double t)
 {
+    if (!curve) return NAN;
     double x = curve->infinity;
     for (int m = 0; m < curve->nterms; m++)
         x += curve->term[m].modulus * exp(-t / curve->term[m].time);
@@ -219,6 +225,7 @@ double ph_curve_at_time(const ph_curve *curve, double t)
 
 void ph_curve_complex(const ph_curve *curve, double omega, double *re, double *im)
 {
+    if (!curve || !re || !im) return;
     *re = curve->infinity;
     *im = 0;
     for (int m = 0; m < curve->nterms; m++) {
@@ -284,6 +291,7 @@ out:
 ph_status ph_prony_uniaxial(const ph_prony *p, int component, int lateral, ph_curve *out,
                             ph_error *err)
 {
+    PH_GIVEN(p && out);
     ph_status st = PH_OK;
     ph_i_network w = {0};
     ph_curve curve = {0};

@@ -8,6 +8,7 @@
 ph_status ph_shift_factor(const ph_shift *shift, double temperature, double kelvin,
                           double *factor, ph_error *err)
 {
+    PH_GIVEN(shift && factor);
     static const double gas_constant = 8.31446261815324; /* J/(mol K), exact since 2019 */
     ph_status st = PH_OK;
     double exponent = 0, dt = temperature - shift->reference;

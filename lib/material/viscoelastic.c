@@ -87,6 +87,7 @@ static ph_material unnamed(const char *name, bool isotropic)
 ph_status ph_material_viscoelastic_young(const char *name, const ph_modulus *E, double nu,
                                          ph_material *out, ph_error *err)
 {
+    PH_GIVEN(name && E && out);
     ph_status st = PH_OK;
     ph_prony_term *term = NULL;
     ph_prony *series = NULL;
@@ -149,6 +150,7 @@ ph_status ph_material_viscoelastic_bulk_shear(const char *name, const ph_modulus
                                               const ph_modulus *G, ph_material *out,
                                               ph_error *err)
 {
+    PH_GIVEN(name && K && G && out);
     ph_status st = PH_OK;
     ph_prony_term *term = NULL;
     ph_prony *series = NULL;
@@ -174,6 +176,7 @@ ph_status ph_material_viscoelastic_tensor(const char *name, const ph_prony *seri
                                           const double *R, ph_material *out,
                                           ph_error *err)
 {
+    PH_GIVEN(name && series && out);
     ph_status st = PH_OK;
     ph_prony *copy = NULL;
     ph_material m = unnamed(name, false);
@@ -192,6 +195,7 @@ out:
 
 ph_status ph_material_at(const ph_material *m, double s, ph_material *out, ph_error *err)
 {
+    PH_GIVEN(m && out);
     ph_status st = PH_OK;
     ph_material at = *m;
     PH_CHECK(s >= 0, PH_EINVAL, "the Carson variable s must be >= 0, got %g", s);
@@ -214,6 +218,7 @@ out:
 
 ph_status ph_material_copy(const ph_material *m, ph_material *out, ph_error *err)
 {
+    PH_GIVEN(m && out);
     ph_material copy = *m;
     ph_status st = ph_prony_copy(m->relaxation, &copy.relaxation, err);
     if (st == PH_OK) *out = copy;
@@ -222,5 +227,6 @@ ph_status ph_material_copy(const ph_material *m, ph_material *out, ph_error *err
 
 void ph_material_clear(ph_material *m)
 {
+    if (!m) return;
     ph_prony_free(&m->relaxation);
 }

@@ -43,7 +43,7 @@ PH_API const ph_catalogue *ph_card_formats(void);
 PH_API const char *ph_card_ending(const char *format);
 
 /** Nearest tensor of a class in the Frobenius norm, in the given axes.
- *  @return |C - C_class| / |C|. Tested: tests/io/test_card.c */
+ *  @param[out] out may be NULL. @return |C - C_class| / |C|. Tested: tests/io/test_card.c */
 PH_API double ph_symmetry_project(const ph_sym4 *c, ph_symmetry symmetry, ph_sym4 *out);
 
 /** The card as text, malloc'd. Numbers have 10 digits or more where the format has room.

@@ -132,8 +132,10 @@ typedef struct ph_result {
     double strain_average;       /* worst load: |<e> - eps_bar| / |eps_bar| */
     double asymmetry;            /* |C - C^T| / |C| before C was made symmetric */
     double stabilisation_energy; /* worst load: share of the total energy */
-    long applications;           /* of the operator */
-    long ffts;                   /* scalar real transforms */
+    /* why residuals and the four measures above are NaN; NULL: they were computed */
+    const char *unchecked;
+    long applications; /* of the operator */
+    long ffts;         /* scalar real transforms */
 
     ph_bond_report bond;
     ph_damage *damage; /* with cracks; the stiffness above is that of the last step */

@@ -46,6 +46,18 @@ PH_API ph_status ph_point_update(const ph_point_material *material, double *stat
                                  const double *dstrain, double dt, double *stress,
                                  double *tangent);
 
+/** The same increment at many points of one material, with the bits of as many calls of
+ *  ph_point_update; the exponentials are computed once.
+ *  @param[in] points >= 0
+ *  @param[in,out] state [points][ph_point_state_size]
+ *  @param[in]  dstrain [points][n]
+ *  @param[out] stress  [points][n]; does not overlap dstrain
+ *  @param[out] tangent [n * n], that of all points; or NULL
+ *  @return as ph_point_update; one increment that is not finite and no point is touched */
+PH_API ph_status ph_points_update(const ph_point_material *material, ptrdiff_t points,
+                                  double *state, const double *dstrain, double dt,
+                                  double *stress, double *tangent);
+
 #ifdef __cplusplus
 }
 #endif

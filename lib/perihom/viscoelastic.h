@@ -13,9 +13,9 @@ extern "C" {
 
 /** How the effective relaxation is computed. Zeroed: all defaults. */
 typedef struct ph_relaxation_params {
-    const char *route;    /* in ph_relaxation_routes[]; NULL: "reduced" */
-    double tolerance;     /* relative error of the effective tensor; 0: 1e-4 */
-    int max_points;       /* of the Carson variable that `reduced` may solve; 0: 40 */
+    const char *route; /* in ph_relaxation_routes[]; NULL: "reduced" */
+    double tolerance;  /* relative error of the effective tensor, 1e-12 to 1; 0: 1e-4 */
+    int max_points;    /* of the Carson variable that `reduced` may solve; 0: 40 */
     const double *carson; /* [ncarson] 1/time, >= 0, INFINITY: instantaneous; `carson`
                            * solves each of them, `reduced` evaluates its model there */
     int ncarson;

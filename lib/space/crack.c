@@ -179,6 +179,7 @@ out:
 
 double ph_crack_length(const ph_cracks *c, ptrdiff_t which)
 {
+    if (!(c && which >= 0 && which < c->count)) return NAN;
     const ph_crack *k = &c->crack[which];
     double sum = 0.0;
     if (k->shape == PH_CRACK_ELLIPSE) return 2.0 * k->semi_axes[0];
@@ -257,6 +258,7 @@ out:
 
 double ph_cracks_density(const ph_cracks *c, const ph_grid *g)
 {
+    if (!c || !g) return NAN;
     static const double pi = 3.14159265358979323846;
     bool plane = g->kinematics != PH_SPACE;
     double volume = g->size[0] * g->size[1] * (plane ? 1.0 : g->size[2]), sum = 0.0;

@@ -8,6 +8,7 @@
 ph_status ph_grid_init(ph_grid *grid, ph_kinematics kin, const ptrdiff_t *n,
                        const double *size, ph_error *err)
 {
+    PH_GIVEN(grid && n && size);
     ph_status st = PH_OK;
     int dim = kin == PH_SPACE ? 3 : 2;
     ph_grid g = {.kinematics = kin, .n = {1, 1, 1}, .size = {1, 1, 1}, .h = {1, 1, 1}};
@@ -33,6 +34,7 @@ out:
 
 ptrdiff_t ph_grid_cells(const ph_grid *grid)
 {
+    if (!grid) return 0;
     return grid->n[0] * grid->n[1] * grid->n[2];
 }
 
@@ -40,6 +42,7 @@ ph_status ph_microstructure_new(const ph_grid *grid, int nmaterials,
                                 const ph_material *materials, ph_microstructure **out,
                                 ph_error *err)
 {
+    PH_GIVEN(grid && out && (materials || nmaterials <= 0));
     ph_status st = PH_OK;
     ph_microstructure *m = NULL;
     *out = NULL;
@@ -95,6 +98,7 @@ static ptrdiff_t add_cut_cell(const ph_microstructure *m, ptrdiff_t first,
 
 void ph_microstructure_fractions(const ph_microstructure *m, double *fraction)
 {
+    if (!m || !fraction) return;
     enum { SMALL = 64 };
     ptrdiff_t small[SMALL] = {0};
     ptrdiff_t *whole = small, *big = NULL;
@@ -142,6 +146,7 @@ out:
 
 ph_status ph_microstructure_check(const ph_microstructure *m, ph_error *err)
 {
+    PH_GIVEN(m);
     ph_status st = PH_OK;
     ptrdiff_t cells = ph_grid_cells(&m->grid);
     for (ptrdiff_t c = 0; c < cells; c++)

@@ -240,6 +240,7 @@ out:
 ph_status ph_fit_to_json(const ph_fit_file *file, const ph_fit *fit, const char *command,
                          char **json, ph_error *err)
 {
+    PH_GIVEN(file && file->base && fit && json);
     ph_status st = PH_OK;
     bool good = true;
     json_t *doc = json_object(), *part = NULL;

@@ -168,6 +168,7 @@ static void file_name(const char *dir, const char *what, const char *name, char 
 ph_status ph_fit_write_pictures(const ph_fit_file *file, const ph_fit *fit,
                                 const char *dir, ph_error *err)
 {
+    PH_GIVEN(file && fit && dir);
     ph_status st = PH_OK;
     char path[2048];
     for (int o = 0; o < file->noutputs; o++) {

@@ -346,6 +346,7 @@ ph_status ph_fit_file_read(const char *path, const char *const *sets, size_t nse
                            ph_fit_file **out, ph_case_issues *issues, char where[1024],
                            ph_error *err)
 {
+    PH_GIVEN(path && out && (sets || nsets == 0));
     ph_status st = PH_OK;
     ph_fit_file *f = NULL;
     ph_case_issues own = {0};

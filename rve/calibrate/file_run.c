@@ -134,6 +134,7 @@ static bool is_random(const ph_case *c)
 ph_status ph_fit_file_run(const ph_fit_file *file, const char *dir, bool retry,
                           const ph_ctx *ctx, ph_fit **out, long *solved, ph_error *err)
 {
+    PH_GIVEN(file && file->base && dir && out);
     ph_status st = PH_OK;
     solver s = {.file = file, .ctx = ctx};
     PH_CHECK(file && out, PH_EINVAL, "a calibration needs a file and a place for it");

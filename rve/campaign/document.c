@@ -209,6 +209,7 @@ out:
 ph_status ph_campaign_to_json(const ph_campaign *c, const ph_campaign_result *r,
                               char **json, ph_error *err)
 {
+    PH_GIVEN(c && c->point && r && json);
     ph_status st = PH_OK;
     json_t *root = json_object(), *points = NULL;
     PH_CHECK(c && r && json, PH_EINVAL, "NULL campaign, result or text");

@@ -43,6 +43,7 @@ void ph_campaign_free(ph_campaign **campaign)
 
 uint64_t ph_campaign_realisation(const ph_campaign *c, int point, int64_t i)
 {
+    if (!c) return 0;
     return c->common_random_numbers ? (uint64_t)i : ((uint64_t)point << 32) + (uint64_t)i;
 }
 
@@ -101,6 +102,7 @@ ph_status ph_campaign_parse(const char *text, size_t length, const char *name,
                             const char *const *sets, size_t nsets, ph_campaign **out,
                             ph_case_issues *issues, ph_error *err)
 {
+    PH_GIVEN(text && name && out && (sets || nsets == 0));
     ph_status st = PH_OK;
     ph_case_issues own = {0};
     ph_campaign *c = NULL;
@@ -132,6 +134,7 @@ out:
 ph_status ph_campaign_read(const char *path, const char *const *sets, size_t nsets,
                            ph_campaign **out, ph_case_issues *issues, ph_error *err)
 {
+    PH_GIVEN(path && out && (sets || nsets == 0));
     ph_status st = PH_OK;
     char *text = NULL;
     size_t length = 0;

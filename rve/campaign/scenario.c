@@ -34,6 +34,7 @@ static bool needs_all(const ph_case *c)
 
 unsigned ph_scenario_loads(const ph_scenario *s)
 {
+    if (!s) return 0;
     unsigned loads = 0;
     for (int i = 0; i < s->noutputs; i++)
         loads |= ph_quantity_loads(&s->output[i], s->c->kinematics);

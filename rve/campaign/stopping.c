@@ -70,6 +70,7 @@ static void advance(ph_sequence *s)
 
 void ph_sequence_add(ph_sequence *s, double x)
 {
+    if (!s) return;
     double delta = x - s->mean;
     s->n++;
     s->mean += delta / (double)s->n;
@@ -83,6 +84,7 @@ void ph_sequence_add(ph_sequence *s, double x)
 
 ph_interval ph_sequence_interval(const ph_sequence *s)
 {
+    if (!s) return (ph_interval){0};
     ph_interval i = {NAN, NAN, NAN, NAN};
     if (s->n > 0) i.mean = s->mean;
     if (s->n < 2) return i;

@@ -10,6 +10,7 @@
  *   clay:150                       one clay/epoxy realisation, beside the direct solver
  *   clay_batch:200                 as many realisations on two threads
  *   relax:V29:100                  the whole relaxation over one elastic solution, all loads
+ *   point:10                       the material point with so many terms, n = 6
  *   stepping:V29:64                a thousand steps over twelve decades, all loads, beside it
  *
  * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
@@ -491,6 +492,64 @@ static ph_route route_called(const char *name)
     return PH_ROUTE_AUTO;
 }
 
+/* A material whose terms are spread over ten decades; K and G positive, so all are. */
+static ph_point_material *point_of_terms(int terms)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_prony_term term[64];
+    ph_effective effective = {.stiffness = ph_sym4_isotropic_kg(4, 2)};
+    ph_point_material *point = NULL;
+    if (terms < 0 || terms > 64) die("point: 0 to 64 terms", &err);
+    for (int k = 0; k < terms; k++)
+        term[k] = (ph_prony_term){pow(10, 10.0 * k / terms - 5),
+                                  ph_sym4_isotropic_kg(1 + k, 2)};
+    if (terms > 0) {
+        if (ph_prony_new(&effective.stiffness, terms, term, &effective.relaxation, &err))
+            die("point", &err);
+        effective.stiffness = ph_prony_instantaneous(effective.relaxation);
+    }
+    if (ph_point_material_new(&effective, &point, &err)) die("point", &err);
+    ph_prony_free(&effective.relaxation);
+    return point;
+}
+
+/* Nanoseconds a call: one point after the other with and without the tangent, and 1000 at
+ * once; both ways must end with the same bits. */
+static void bench_point(int terms)
+{
+    enum { POINTS = 1000, CALLS = 200 };
+    ph_point_material *point = point_of_terms(terms);
+    const size_t size = ph_point_state_size(point);
+    double *state[3], *de = malloc(6 * POINTS * sizeof *de),
+                      *stress = malloc(6 * POINTS * sizeof *de);
+    double tangent[36], least[3] = {INFINITY, INFINITY, INFINITY};
+    for (int i = 0; i < 6 * POINTS; i++)
+        de[i] = 1e-3 * sin(i);
+    for (int way = 0; way < 3; way++) {
+        state[way] = calloc(size * POINTS, sizeof **state);
+        for (int call = 0; call < CALLS; call++) {
+            const double begin = clock_of(CLOCK_PROCESS_CPUTIME_ID);
+            if (way == 2)
+                ph_points_update(point, POINTS, state[2], de, 0.1, stress, tangent);
+            for (int p = 0; way < 2 && p < POINTS; p++)
+                ph_point_update(point, state[way] + p * size, de + 6 * p, 0.1,
+                                stress + 6 * p, way == 0 ? tangent : NULL);
+            least[way] = fmin(least[way], clock_of(CLOCK_PROCESS_CPUTIME_ID) - begin);
+        }
+    }
+    const bool same = memcmp(state[0], state[2], size * POINTS * sizeof **state) == 0;
+    printf("{\"bench\": \"point\", \"terms\": %d, \"ns_tangent\": %.4g, \"ns_stress\": "
+           "%.4g, "
+           "\"ns_of_1000\": %.4g, \"state_bytes\": %zu, \"same_bits\": %s}\n",
+           terms, 1e9 * least[0] / POINTS, 1e9 * least[1] / POINTS,
+           1e9 * least[2] / POINTS, size * sizeof(double), same ? "true" : "false");
+    for (int way = 0; way < 3; way++)
+        free(state[way]);
+    free(de);
+    free(stress);
+    ph_point_material_free(&point);
+}
+
 static int run(const char *word)
 {
     ptrdiff_t n[3] = {1, 1, 1};
@@ -509,6 +568,8 @@ static int run(const char *word)
         bench_stepping(name, size);
     else if (sscanf(word, "relax:%31[^:]:%d", name, &size) == 2)
         bench_relax(name, size);
+    else if (sscanf(word, "point:%d", &size) == 1)
+        bench_point(size);
     else if (sscanf(word, "clay_batch:%d", &size) == 1)
         bench_clay_batch(size);
     else if (sscanf(word, "horizon:%tdx%tdx%td", &n[0], &n[1], &n[2]) == 3)

@@ -21,6 +21,10 @@ $ perihom list shapes
 $ perihom list shapes --json | json_get catalogues.shapes.entries.0.name
 > "disk"
 
+$ perihom list routes | grep -c 'valid:'; perihom list routes --json | json_get catalogues.routes.entries.0.name
+> 4
+> "reduced"
+
 $ perihom list --json | json_get schema
 > "perihom.list/1"
 

@@ -228,6 +228,44 @@ static void restart_and_threads(void **state)
     CHECK_END();
 }
 
+/* Many points at once have the bits of one after the other. */
+static void many_points(void **state)
+{
+    (void)state;
+    enum { POINTS = 7 };
+    uint64_t seed = check_seed();
+    for (int trial = 0; trial < 6; trial++) {
+        const int n = trial % 2 ? 3 : 6;
+        ph_effective *e = random_effective(&seed, n, 1 + 2 * trial, false);
+        ph_point_material *m = point_of(e);
+        const size_t size = ph_point_state_size(m);
+        double *one = calloc(POINTS * size, sizeof *one), T[36], U[36];
+        double *all = calloc(POINTS * size, sizeof *all);
+        double de[POINTS * 6], s[POINTS * 6], r[POINTS * 6];
+        for (int step = 0; step < 5; step++) {
+            const double dt = step ? pow(10, check_uniform(&seed, -7, 7)) : 0;
+            random_strain(&seed, POINTS * n, 1, de);
+            CHECK(ph_points_update(m, POINTS, all, de, dt, s, T) == PH_OK);
+            for (int p = 0; p < POINTS; p++)
+                CHECK(ph_point_update(m, one + p * size, de + p * n, dt, r + p * n, U) ==
+                      PH_OK);
+            CHECK(memcmp(all, one, POINTS * size * sizeof *one) == 0);
+            CHECK(memcmp(s, r, sizeof(double) * (size_t)(POINTS * n)) == 0);
+            CHECK(memcmp(T, U, sizeof(double) * (size_t)(n * n)) == 0);
+        }
+        de[POINTS * n - 1] = NAN;
+        CHECK(ph_points_update(m, POINTS, all, de, 1, s, NULL) == PH_EINVAL);
+        CHECK(ph_points_update(m, -1, all, de, 1, s, NULL) == PH_EINVAL);
+        CHECK(ph_points_update(m, 0, NULL, NULL, 1, NULL, NULL) == PH_OK);
+        CHECK(memcmp(all, one, POINTS * size * sizeof *one) == 0);
+        free(one);
+        free(all);
+        ph_point_material_free(&m);
+        ph_effective_free(&e);
+    }
+    CHECK_END();
+}
+
 /* Times from 1e-12 to 1e12 and steps of any size: finite, and an elastic material is Hooke. */
 static void extremes_and_refusals(void **state)
 {
@@ -278,6 +316,7 @@ int main(void)
         cmocka_unit_test(tangent),
         cmocka_unit_test(no_energy_from_cycles),
         cmocka_unit_test(restart_and_threads),
+        cmocka_unit_test(many_points),
         cmocka_unit_test(extremes_and_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

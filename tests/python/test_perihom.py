@@ -159,8 +159,80 @@ def cards_and_catalogues():
     assert "E1" in repr(r) and "<table>" in r._repr_html_()
 
 
+MAXWELL = (1.0, [(0.5, 2.0), (20.0, 1.0)])
+
+
+def material_points():
+    """Hooke, the series after a jump, many points as one, in place, restart."""
+    r = perihom.homogenise(blob())
+    point = perihom.MaterialPoint(r)
+    rng = np.random.default_rng(1)
+    jump = rng.normal(size=(100, 6))
+    stress, tangent = point.update(point.state(100), jump, 1.0)
+    scale = np.abs(r.stiffness).max()
+    assert np.array_equal(tangent, r.stiffness) and np.allclose(stress, jump @ r.stiffness, atol=1e-14 * scale * 10)
+    one = np.diag([1.0, 1, 1, 0.5, 0.5, 0.5])
+    series = perihom.Series(3 * one, [(2.0, one), (0.1, 2 * one)])
+    assert list(series.time) == [0.1, 2.0] and len(series) == 2
+    point = perihom.MaterialPoint(series)
+    assert point.state_size == 18 and point.effective.relaxation is series
+    state, out = point.state(100), np.empty((100, 6))
+    point.update(state, jump, 0.0, out)
+    half = state.copy()
+    got, tangent = point.update(state, np.zeros((100, 6)), 0.7, out)
+    assert got is out and np.allclose(out, jump @ series.at(0.7), atol=1e-13)  # round-off of 3 terms
+    assert np.array_equal(point.update(half, np.zeros((100, 6)), 0.7)[0], out) and np.array_equal(half, state)
+    x = 0.7 / series.time
+    assert np.allclose(tangent, 3 * one + one * ((2 - 2 * np.exp(-x[0])) / x[0] + (1 - np.exp(-x[1])) / x[1]))
+    raises(ValueError, lambda: point.update(state, jump, -1.0), "dt")
+    raises(ValueError, lambda: point.update(state, jump * np.nan, 1.0), "finite")
+    raises(ValueError, lambda: point.update(state, jump[:, :3], 1.0), "dstrain")
+    raises(ValueError, lambda: point.update(state.astype("f4"), jump, 1.0), "state")
+    raises(ValueError, lambda: point.update(state[:, ::2], jump, 1.0), "state")
+    raises(ValueError, lambda: point.update(state, jump, 1.0, jump), "share")
+    raises(perihom.Error, lambda: perihom.MaterialPoint("nowhere"), "nowhere")
+    raises(ValueError, lambda: perihom.MaterialPoint(np.eye(4)), "3 x 3 or 6 x 6")
+    raises(perihom.Error, lambda: perihom.MaterialPoint(-np.eye(6)), "positive definite")
+
+
+def relaxing_composites():
+    """One relaxation function for all: C(t) = C(0) f(t) exactly. And as the program, bit for bit."""
+    phase = np.zeros((12, 12), int)
+    phase[3:8, 3:8] = 1
+    soft = perihom.Material.viscoelastic("soft", E=MAXWELL, nu=0.3)
+    stiff = perihom.Material.viscoelastic("stiff", E=(10.0, [(0.5, 20.0), (20.0, 10.0)]), nu=0.2)
+    got = perihom.relaxation(perihom.Microstructure([soft, stiff], phase), tolerance=1e-6)
+    elastic = perihom.homogenise(perihom.Microstructure([perihom.Material.isotropic("soft", 4, 0.3),
+                                                         perihom.Material.isotropic("stiff", 40, 0.2)], phase))
+    size = np.abs(elastic.stiffness).max()
+    for t in (0.0, 0.3, 5.0, 100.0):
+        f = (1 + 2 * np.exp(-t / 0.5) + np.exp(-t / 20)) / 4
+        assert np.allclose(got.series.at(t), f * elastic.stiffness, atol=2e-5 * size)  # solver 1e-6, its square root in C
+    assert got.error < 1e-6 and got.series.complex(1.0).imag[0, 0] > 0
+    assert np.allclose(got.equilibrium, got.series.equilibrium, atol=1e-12 * size)
+    point = perihom.MaterialPoint(got)
+    assert point.effective.relaxation.time[0] > 0 and point.effective.kinematics == "generalised_strain"
+    case = os.path.join(cases, "relaxing-matrix.yaml")
+    sets = {"microstructure.nodes": [16, 16]}
+    r = perihom.Case(case, sets).relaxation()
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([program, "run", case, "--set", "microstructure.nodes=[16, 16]", "-q", "-o", folder + "/r"],
+                       check=True, stdout=subprocess.DEVNULL)
+        e = perihom.Effective.read(folder + "/r")
+        assert np.array_equal(e.relaxation.time, r.series.time) and e.units["time"] == "s"
+        assert np.allclose(e.relaxation.stiffness, r.series.stiffness, atol=1e-14 * np.abs(e.stiffness).max())
+        assert np.array_equal(perihom.MaterialPoint(folder + "/r").effective.stiffness, e.stiffness)
+    few, error = r.series.compress(terms=1)
+    assert len(few) == 1 and 0 < error < 1
+    back = perihom.Material.viscoelastic("again", series=perihom.Series(2 * np.eye(6), [(1.0, np.eye(6))]))
+    assert np.allclose(back.stiffness, 3 * np.eye(6))
+    raises(ValueError, lambda: perihom.Material.viscoelastic("x", E=MAXWELL), "nu")
+    raises(perihom.Error, lambda: perihom.Material.viscoelastic("x", E=(1.0, [(-1.0, 1.0)]), nu=0.3), "time")
+    raises(TypeError, lambda: perihom.relaxation(blob(), colour="red"), "colour")
+
+
 tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
-         threads_do_not_meet, cards_and_catalogues]
+         threads_do_not_meet, cards_and_catalogues, material_points, relaxing_composites]
 failed = 0
 for number, test in enumerate(tests, 1):
     try:

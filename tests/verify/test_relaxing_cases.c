@@ -5,7 +5,8 @@
 
 #include "check.h"
 
-static ph_viscoelastic *solve(const char *name, const char *const *sets, size_t nsets)
+static ph_viscoelastic *solve_by(const char *name, const char *const *sets, size_t nsets,
+                                 const ph_relaxation_params *params)
 {
     ph_error err = PH_ERROR_INIT;
     char path[600];
@@ -19,11 +20,15 @@ static ph_viscoelastic *solve(const char *name, const char *const *sets, size_t 
                                 .interface = c->interface,
                                 .model = c->model,
                                 .solver = c->solver};
-    const ph_relaxation_params params = {.tolerance = 1e-6};
-    CHECK_OK(ph_viscoelastic_solve(&problem, &params, &(ph_ctx){.threads = 1}, &v, &err));
+    CHECK_OK(ph_viscoelastic_solve(&problem, params, &(ph_ctx){.threads = 1}, &v, &err));
     ph_microstructure_free(&micro);
     ph_case_free(&c);
     return v;
+}
+
+static ph_viscoelastic *solve(const char *name, const char *const *sets, size_t nsets)
+{
+    return solve_by(name, sets, nsets, &(ph_relaxation_params){.tolerance = 1e-6});
 }
 
 static ph_curve uniaxial(const ph_prony *p)
@@ -91,9 +96,44 @@ static void test_two_rates(void **state)
     CHECK_END();
 }
 
+/* The whole series to 1e-4 against a thousand equal steps to twenty relaxation times, for each
+ * of three loads, on the same cell; what both say of the same times. */
+static void test_a_thousand_steps(void **state)
+{
+    (void)state;
+    enum { STEPS = 1000 };
+    static const char *const sets[] = {"microstructure.nodes=[8,8]"};
+    static double times[STEPS];
+    for (int k = 0; k < STEPS; k++)
+        times[k] = 0.02 * (k + 1);
+    ph_relaxation_params params = {.tolerance = 1e-4};
+    ph_viscoelastic *series = solve_by("relaxing-matrix.yaml", sets, 1, &params);
+    params = (ph_relaxation_params){
+        .route = "stepping", .tolerance = 1e-3, .times = times, .ntimes = STEPS};
+    ph_viscoelastic *steps = solve_by("relaxing-matrix.yaml", sets, 1, &params);
+    if (series && steps) {
+        double worst = 0.0;
+        for (int k = 0; k < STEPS; k++) {
+            ph_sym4 c = ph_prony_at_time(series->series, times[k]);
+            ph_sym4 d = ph_sym4_combine(1.0, &steps->curve[k].stiffness, -1.0, &c);
+            worst = fmax(worst, ph_sym4_norm(&d) / ph_sym4_norm(&c));
+        }
+        print_message("%ld steps, %ld applications (reduced %ld), difference %.2g\n",
+                      steps->steps, steps->applications, series->applications, worst);
+        CHECK(steps->steps >= 3 * STEPS && steps->steps <= 3 * STEPS + 30);
+        CHECK(steps->applications >= 100 * series->applications);
+        CHECK(series->error <= 1e-4);
+        CHECK(worst < 1e-3);
+    }
+    ph_viscoelastic_free(&series);
+    ph_viscoelastic_free(&steps);
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_thousand_steps),
         cmocka_unit_test(test_elastic_disk),
         cmocka_unit_test(test_two_rates),
     };

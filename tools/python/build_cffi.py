@@ -37,7 +37,26 @@ ph_status ph_engineering_constants(const ph_sym4 *c, ph_engineering *out, ph_err
 typedef struct { double E, nu, K, G, distance; ...; } ph_isotropic;
 ph_isotropic ph_nearest_isotropic(const ph_sym4 *c, int kin);
 
-typedef struct { char name[64]; bool is_void, is_isotropic; double E, nu, density; ph_sym4 stiffness; ...; } ph_material;
+typedef struct { double time; ph_sym4 stiffness; ...; } ph_prony_term;
+typedef struct { ph_sym4 equilibrium; int nterms; ph_prony_term *term; ...; } ph_prony;
+ph_status ph_prony_new(const ph_sym4 *equilibrium, int nterms, const ph_prony_term *term, ph_prony **out, ph_error *err);
+ph_status ph_prony_copy(const ph_prony *p, ph_prony **out, ph_error *err);
+void ph_prony_free(ph_prony **p);
+ph_sym4 ph_prony_at_time(const ph_prony *p, double t);
+ph_sym4 ph_prony_instantaneous(const ph_prony *p);
+void ph_prony_complex(const ph_prony *p, double omega, ph_sym4 *re, ph_sym4 *im);
+ph_status ph_prony_compress(const ph_prony *p, int nterms, double tolerance, ph_prony **out, double *error, ph_error *err);
+
+typedef struct { char name[64]; bool is_void, is_isotropic; double E, nu, density; ph_sym4 stiffness;
+                 ph_prony *relaxation; ...; } ph_material;
+typedef struct { double time, modulus; } ph_modulus_term;
+typedef struct { double infinity; int nterms; const ph_modulus_term *term; ...; } ph_modulus;
+ph_status ph_material_viscoelastic_young(const char *name, const ph_modulus *E, double nu, ph_material *out, ph_error *err);
+ph_status ph_material_viscoelastic_bulk_shear(const char *name, const ph_modulus *K, const ph_modulus *G,
+                                              ph_material *out, ph_error *err);
+ph_status ph_material_viscoelastic_tensor(const char *name, const ph_prony *series, const double *R, ph_material *out,
+                                          ph_error *err);
+void ph_material_clear(ph_material *m);
 ph_status ph_material_isotropic(const char *name, double E, double nu, ph_material *out, ph_error *err);
 ph_status ph_material_anisotropic(const char *name, const double *voigt, const double *R, ph_material *out, ph_error *err);
 ph_material ph_material_void(const char *name);
@@ -67,9 +86,18 @@ typedef struct { ph_grid grid; ph_sym4 stiffness; unsigned loads; ph_sym4 voigt,
 ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result **out, ph_error *err);
 void ph_result_free(ph_result **result);
 
+typedef struct { const char *route; double tolerance; int max_points; ...; } ph_relaxation_params;
+typedef struct { double s, error; int iterations, added; ...; } ph_carson_point;
+typedef struct { const char *route; ph_prony *series; ph_sym4 instantaneous, equilibrium; int lost; double error, error_at;
+                 int npoints; ph_carson_point *points; long iterations; double seconds; ph_result *elastic; ...; } ph_viscoelastic;
+ph_status ph_viscoelastic_solve(const ph_problem *problem, const ph_relaxation_params *params, const ph_ctx *ctx,
+                                ph_viscoelastic **out, ph_error *err);
+void ph_viscoelastic_free(ph_viscoelastic **v);
+
+typedef struct { bool given; const char *route; double tolerance; ...; } ph_case_viscoelastic;
 typedef struct { char title[...]; int nmaterials; ph_material *materials; int kinematics; uint64_t seed, realisation;
                  int interface; ph_model_params model; ph_constraint_params constraint; ph_solver_params solver;
-                 bool fields; ...; } ph_case;
+                 ph_case_viscoelastic viscoelastic; bool fields; ...; } ph_case;
 typedef struct { int line; bool warning; char message[...]; ...; } ph_case_issue;
 typedef struct { size_t count; ph_case_issue *item; ...; } ph_case_issues;
 void ph_case_issues_free(ph_case_issues *issues);
@@ -94,10 +122,18 @@ ph_status ph_write_phases_png(const char *path, const ph_microstructure *micro, 
 ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value, int axis, const char *title,
                        ph_error *err);
 
-typedef struct { ph_sym4 stiffness; ...; } ph_effective;
+typedef struct { char title[256], unit_length[32], unit_stress[32], unit_time[32]; int kinematics; ph_sym4 stiffness;
+                 ph_prony *relaxation; double density; ...; } ph_effective;
 ph_status ph_effective_from_result(const ph_result *result, const ph_case *c, ph_effective **out, ph_error *err);
 ph_status ph_effective_read(const char *path, ph_effective **out, ph_error *err);
 void ph_effective_free(ph_effective **effective);
+typedef struct ph_point_material ph_point_material;
+ph_status ph_point_material_new(const ph_effective *effective, ph_point_material **out, ph_error *err);
+void ph_point_material_free(ph_point_material **material);
+int ph_point_components(const ph_point_material *material);
+size_t ph_point_state_size(const ph_point_material *material);
+ph_status ph_points_update(const ph_point_material *material, ptrdiff_t points, double *state, const double *dstrain,
+                           double dt, double *stress, double *tangent);
 typedef struct { const char *name; int id; int symmetry; double tolerance; bool nearest; ...; } ph_card_params;
 ph_status ph_card_write(const ph_effective *effective, const char *format, const ph_card_params *params, char **text,
                         double *distance, ph_error *err);

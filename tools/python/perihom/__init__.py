@@ -6,7 +6,8 @@
     result.stiffness          # Voigt 11 22 33 23 13 12, engineering shear
     result.engineering["E1"]
 
-Tensors are NumPy arrays in Voigt order with engineering shear (2D: 11 22 12). Fields and the
+The effective material in a macroscale code: MaterialPoint(result) updates many integration
+points at once. Tensors are NumPy arrays in Voigt order with engineering shear (2D: 11 22 12). Fields and the
 phases of a microstructure are views of the memory of the library: no copies, alive as long as
 their object. Long calls release the interpreter, so threads may solve different problems.
 """
@@ -19,79 +20,19 @@ from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
+from ._base import Error, _check, _enum, _owned, _take_text, _text, _view, _voigt
+from ._effective import Effective, MaterialPoint, Series
 from ._perihom import ffi, lib
 
-__all__ = ["Case", "Error", "Fields", "Material", "Microstructure", "Result", "card", "catalogue", "catalogues",
-           "homogenise", "run", "version"]
+__all__ = ["Case", "Effective", "Error", "Fields", "Material", "MaterialPoint", "Microstructure", "Relaxation", "Result",
+           "Series", "card", "catalogue", "catalogues", "homogenise", "relaxation", "run", "version"]
 
 _KINEMATICS = ("space", "generalised_strain", "strain", "stress")
 _POINTS = {"auto": 0, "nodes": 1, "stress": 2}
 _STABILISATION = {"auto": 0, "spectral": 1, "subpoint": 2, "none": 3}
 _INTERFACE = {"composite": 0, "node_centre": 1}
-_SYMMETRY = {None: 0, "isotropic": 1, "orthotropic": 2, "anisotropic": 3}
 
 version = ffi.string(lib.ph_version()).decode()
-
-
-class Error(Exception):
-    """What the library says went wrong.
-
-    status: a word such as "not converged"; exit_code: that of the program; issues: every
-    complaint about a case file; iteration and residual of a solver that failed.
-    """
-
-    def __init__(self, message: str, status: int, iteration: int = 0, residual: float = 0.0,
-                 issues: Sequence[str] = ()):
-        super().__init__(message)
-        self.status = ffi.string(lib.ph_status_text(status)).decode()
-        self.exit_code = lib.ph_status_exit_code(status)
-        self.iteration = iteration
-        self.residual = residual
-        self.issues = list(issues)
-
-
-def _text(pointer) -> str:
-    return ffi.string(pointer).decode("utf-8", "replace")
-
-
-def _check(status: int, err, issues: Sequence[str] = ()) -> None:
-    if status:
-        raise Error(_text(err.msg) or ffi.string(lib.ph_status_text(status)).decode(), status, err.iteration,
-                    err.residual, issues)
-
-
-def _take_text(pointer) -> str:
-    """A malloc'd text, released."""
-    text = ffi.string(pointer[0]).decode()
-    lib.free(pointer[0])
-    return text
-
-
-def _voigt(tensor, stiffness: bool = True) -> np.ndarray:
-    n = tensor.n
-    out = np.zeros((n, n))
-    lib.ph_sym4_to_voigt(ffi.new("ph_sym4 *", tensor), stiffness, ffi.cast("double *", out.ctypes.data))
-    return out
-
-
-def _view(owner, pointer, ctype: str, shape: Sequence[int]) -> np.ndarray:
-    """An array on the memory of `owner`, which it keeps alive."""
-    n = int(np.prod(shape))
-    array = np.frombuffer(ffi.buffer(ffi.cast(ctype + " *", pointer), n * ffi.sizeof(ctype)),
-                          dtype={"double": np.float64, "uint16_t": np.uint16, "int32_t": np.int32}[ctype])
-    return _Owned(array.reshape(shape), owner)
-
-
-class _Owned(np.ndarray):
-    """A view that holds on to the object whose memory it shows."""
-
-    def __new__(cls, array: np.ndarray, owner: Any):
-        self = array.view(cls)
-        self._owner = owner
-        return self
-
-    def __array_finalize__(self, obj):
-        self._owner = getattr(obj, "_owner", None)
 
 
 # ---- materials ---------------------------------------------------------------------------
@@ -128,6 +69,24 @@ class Material:
         return cls._with_density(c, density)
 
     @classmethod
+    def viscoelastic(cls, name: str, E=None, nu: Optional[float] = None, bulk=None, shear=None, series=None,
+                     density: Optional[float] = None) -> "Material":
+        """A phase that relaxes: E and nu, or bulk and shear, each modulus a pair (at infinity,
+        [(time, modulus), ...]); or series, a Series of 6 x 6 tensors."""
+        c, err, word = ffi.new("ph_material *"), ffi.new("ph_error *"), name.encode()
+        if series is not None:
+            _check(lib.ph_material_viscoelastic_tensor(word, series._c, ffi.NULL, c, err), err)
+        elif E is not None and nu is not None:
+            m, _keep = _modulus(E)
+            _check(lib.ph_material_viscoelastic_young(word, m, nu, c, err), err)
+        elif bulk is not None and shear is not None:
+            (K, _keep), (G, _keep_too) = _modulus(bulk), _modulus(shear)
+            _check(lib.ph_material_viscoelastic_bulk_shear(word, K, G, c, err), err)
+        else:
+            raise ValueError("give E and nu, bulk and shear, or series")
+        return cls._with_density(ffi.gc(c, lib.ph_material_clear), density)
+
+    @classmethod
     def void(cls, name: str) -> "Material":
         """A hole."""
         return cls(ffi.new("ph_material *", lib.ph_material_void(name.encode())))
@@ -144,10 +103,20 @@ class Material:
 
     @property
     def stiffness(self) -> np.ndarray:
+        """Of a viscoelastic phase the instantaneous one."""
         return _voigt(self._c.stiffness)
 
     def __repr__(self):
         return "Material(%r)" % self.name
+
+
+def _modulus(value):
+    """A ph_modulus and the array that it borrows."""
+    infinity, terms = value
+    array = ffi.new("ph_modulus_term[]", max(1, len(terms)))
+    for i, (time, modulus) in enumerate(terms):
+        array[i].time, array[i].modulus = time, modulus
+    return ffi.new("ph_modulus *", {"infinity": infinity, "nterms": len(terms), "term": array}), array
 
 
 # ---- microstructures ---------------------------------------------------------------------
@@ -318,6 +287,10 @@ class Case:
         _check(lib.ph_rve_build(self._c, out, err), err)
         return Microstructure._wrap(out[0])
 
+    def relaxation(self, realisation: Optional[int] = None, **options) -> "Relaxation":
+        """Build and solve for the effective relaxation; options as those of `relaxation`."""
+        return relaxation(self.microstructure(realisation), case=self, **options)
+
     def run(self, realisation: Optional[int] = None, **options) -> "Result":
         """Build and solve; options as those of `homogenise` that are not the case's."""
         return homogenise(self.microstructure(realisation), case=self, **options)
@@ -431,12 +404,17 @@ class Result:
         _check(lib.ph_result_to_json(self._c, case, ffi.NULL, out, err), err)
         return json.loads(_take_text(out))
 
-    def card(self, to: str, **options) -> str:
-        """A material card, as the function `card`."""
+    @property
+    def effective(self) -> Effective:
+        """The effective material apart from its RVE."""
         out, err = ffi.new("ph_effective **"), ffi.new("ph_error *")
         case = self._case._c if self._case else ffi.NULL
         _check(lib.ph_effective_from_result(self._c, case, out, err), err)
-        return _card(out[0], to, **options)
+        return Effective._wrap(out[0])
+
+    def card(self, to: str, **options) -> str:
+        """A material card, as the function `card`."""
+        return self.effective.card(to, **options)
 
     def _repr_html_(self) -> str:
         rows = "".join("<tr><td>%s</td><td>%.6g</td></tr>" % item for item in self.engineering.items())
@@ -462,12 +440,6 @@ def perihom_progress(user, now):
         return False
 
 
-def _enum(name: str, value: str, table: Mapping[str, int]) -> int:
-    if value not in table:
-        raise ValueError("%s must be one of %s, got %r" % (name, ", ".join(map(str, table)), value))
-    return table[value]
-
-
 def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Optional[str] = None,
                points: Optional[str] = None, horizon: Optional[float] = None, constraint: Optional[str] = None,
                solver: Optional[str] = None, interface: Optional[str] = None, tolerance: Optional[float] = None,
@@ -481,6 +453,68 @@ def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Option
     progress(load, loads, iteration, residual): called each iteration; False stops.
     Raises Error; KeyboardInterrupt inside `progress` stops the solve and is raised again.
     """
+    problem, _keep = _problem(micro, case, model, points, horizon, constraint, solver, interface, tolerance, loads, fields)
+    out = ffi.new("ph_result **")
+    _call(lambda ctx, err: lib.ph_homogenise(problem, ctx, out, err), threads, progress,
+          lambda: lib.ph_result_free(out))
+    return Result(out[0], case, micro)
+
+
+def relaxation(micro: Microstructure, case: Optional[Case] = None, route: Optional[str] = None,
+               tolerance: Optional[float] = None, threads: int = 0,
+               progress: Optional[Callable[[int, int, int, float], Any]] = None, **settings) -> "Relaxation":
+    """Effective relaxation of a microstructure with materials that relax.
+
+    route: of the catalogue "routes"; tolerance: relative error of the effective tensor, default
+    that of the case, else 1e-4; settings: model, points, horizon, constraint, solver, interface.
+    """
+    names = ("model", "points", "horizon", "constraint", "solver", "interface")
+    unknown = set(settings) - set(names)
+    if unknown:
+        raise TypeError("relaxation has no setting %s" % ", ".join(sorted(unknown)))
+    problem, _keep = _problem(micro, case, *(settings.get(name) for name in names))
+    params = ffi.new("ph_relaxation_params *")
+    word = ffi.new("char[]", (route or "").encode())
+    if case is not None and case._c.viscoelastic.given:
+        params.route, params.tolerance = case._c.viscoelastic.route, case._c.viscoelastic.tolerance
+    if route is not None:
+        params.route = word
+    if tolerance is not None:
+        params.tolerance = tolerance
+    out = ffi.new("ph_viscoelastic **")
+    _call(lambda ctx, err: lib.ph_viscoelastic_solve(problem, params, ctx, out, err), threads, progress,
+          lambda: lib.ph_viscoelastic_free(out))
+    return Relaxation(out[0], case)
+
+
+class Relaxation:
+    """What the solve of a relaxation gave.
+
+    series: Series of the effective tensor, None where the route has none; error: its estimated
+    relative error; solved: Carson variables that were solved.
+    """
+
+    def __init__(self, pointer, case: Optional[Case]):
+        self._c = _owned(pointer, "ph_viscoelastic", lib.ph_viscoelastic_free)
+        self._case = case
+        self.error = pointer.error
+        self.solved = [pointer.points[i].s for i in range(pointer.npoints)]
+        self.iterations = pointer.iterations
+        self.instantaneous, self.equilibrium = _voigt(pointer.instantaneous), _voigt(pointer.equilibrium)
+        self.series = None if pointer.series == ffi.NULL else Series._copy(pointer.series)
+
+    @property
+    def effective(self) -> Effective:
+        """The effective material apart from its RVE, with its series."""
+        out, err = ffi.new("ph_effective **"), ffi.new("ph_error *")
+        case = self._case._c if self._case else ffi.NULL
+        _check(lib.ph_effective_from_result(self._c.elastic, case, out, err), err)
+        return Effective._wrap(out[0], self.series)
+
+
+def _problem(micro, case, model=None, points=None, horizon=None, constraint=None, solver=None, interface=None,
+             tolerance=None, loads=None, fields=None):
+    """A ph_problem and what it borrows."""
     problem = ffi.new("ph_problem *")
     keep = []
 
@@ -513,21 +547,24 @@ def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Option
         if not 0 <= load < 6:
             raise ValueError("a load is 0 to 5, got %r" % load)
         problem.loads |= 1 << load
+    return problem, keep
+
+
+def _call(solve, threads: int, progress, free) -> None:
+    """Runs a solve: progress and cancelling, the interpreter released, errors raised."""
     ctx = ffi.new("ph_ctx *")
     ctx.threads = threads
     state = {"call": progress, "error": None}
     handle = ffi.new_handle(state)
     if progress is not None:
         ctx.progress, ctx.user = lib.perihom_progress, handle
-    out, err = ffi.new("ph_result **"), ffi.new("ph_error *")
-    status = lib.ph_homogenise(problem, ctx, out, err)
+    err = ffi.new("ph_error *")
+    status = solve(ctx, err)
+    if status or state["error"] is not None:
+        free()
     if state["error"] is not None:
-        lib.ph_result_free(out)
         raise state["error"]
-    if status:
-        lib.ph_result_free(out)
     _check(status, err)
-    return Result(out[0], case, micro)
 
 
 def run(path: Union[str, os.PathLike], sets: Optional[Mapping[str, Any]] = None, **options) -> Result:
@@ -538,26 +575,13 @@ def run(path: Union[str, os.PathLike], sets: Optional[Mapping[str, Any]] = None,
 # ---- cards and catalogues ----------------------------------------------------------------
 
 
-def _card(effective, to: str, name: str = "perihom", id: int = 1, symmetry: Optional[str] = None,
-          nearest: bool = False) -> str:
-    owned = ffi.gc(effective, lambda p: lib.ph_effective_free(ffi.new("ph_effective **", p)))
-    word = ffi.new("char[]", name.encode())
-    params = ffi.new("ph_card_params *", {"name": word, "id": id, "nearest": nearest,
-                                          "symmetry": _enum("symmetry", symmetry, _SYMMETRY)})
-    out, err = ffi.new("char **"), ffi.new("ph_error *")
-    _check(lib.ph_card_write(owned, to.encode(), params, out, ffi.NULL, err), err)
-    return _take_text(out)
-
-
 def card(result: Union[str, os.PathLike], to: str, **options) -> str:
     """The material card of a result folder or result.json for another code.
 
     to: "abaqus", "calculix" ... (catalogue "formats"); options: name, id, symmetry
     ("isotropic", "orthotropic", "anisotropic"), nearest.
     """
-    out, err = ffi.new("ph_effective **"), ffi.new("ph_error *")
-    _check(lib.ph_effective_read(os.fsencode(result), out, err), err)
-    return _card(out[0], to, **options)
+    return Effective.read(result).card(to, **options)
 
 
 def _all_catalogues():
