@@ -16,7 +16,7 @@ static ph_status check(const ph_grid_pair *grid, double confidence, int nmodels,
                        ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_CHECK(grid && models && ph_i_is_pair(grid, nmodels), PH_EINVAL,
+    PH_CHECK(ph_i_is_pair(grid, nmodels), PH_EINVAL,
              "discretisation takes two of %d models, the finer first, and a ratio > 1",
              nmodels);
     PH_CHECK(confidence > 0 && confidence < 1, PH_EINVAL,
@@ -38,8 +38,7 @@ ph_status ph_estimation_bias(const ph_grid_pair *grid, double confidence, int nm
 {
     ph_status st = PH_OK;
     double all = 0, mean = 0, scattered = 0, centre = 0, m2 = 0;
-    PH_CHECK(out, PH_EINVAL, "NULL discretisation");
-    *out = (ph_discretisation){NAN, NAN, NAN, NAN, 0};
+    PH_GIVEN(grid && models && out);
     PH_TRY(check(grid, confidence, nmodels, models, seen, n, err));
     for (ptrdiff_t k = 0; k < n; k++) {
         double d = models[grid->coarse].value[k] - models[grid->fine].value[k];

@@ -136,9 +136,11 @@ out:
 
 const char *ph_campaign_no_grid(const ph_campaign *c, int point, int k)
 {
-    const ph_grid_pair *grid = &c->point[point].grid;
-    if (c->nmodels <= 1)
+    if (!c || c->nmodels <= 1)
         return "there is no cheaper model on a coarser grid: variance_reduction";
+    if (point < 0 || point >= c->npoints || k < 0 || k >= c->noutputs)
+        return "there is no such point or output";
+    const ph_grid_pair *grid = &c->point[point].grid;
     if (grid->ratio == 0)
         return "no two models differ in nothing but their nodes, the finer of them on "
                "the "

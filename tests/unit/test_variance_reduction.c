@@ -419,6 +419,8 @@ static void test_grid_pairs(void **state)
         CHECK(g->fine == cases[i].fine && g->coarse == cases[i].coarse);
         CHECK((g->ratio > 1) == (cases[i].coarse > 0));
         CHECK(!ph_campaign_no_grid(c, 2, 0) == (cases[i].coarse > 0));
+        CHECK(ph_campaign_no_grid(c, 3, 0) && ph_campaign_no_grid(c, -1, 0));
+        CHECK(ph_campaign_no_grid(c, 2, 2) && ph_campaign_no_grid(NULL, 0, 0));
         ph_campaign_free(&c);
     }
     CHECK_END();
