@@ -30,6 +30,7 @@
 #include <perihom/effective.h>
 #include <perihom/error.h>
 #include <perihom/estimates.h>
+#include <perihom/failure.h>
 #include <perihom/family.h>
 #include <perihom/fit.h>
 #include <perihom/history.h>

@@ -2,6 +2,7 @@
 #include "check.h"
 #include "damage.h"
 #include "destination.h"
+#include "failure.h"
 #include "interrupt.h"
 #include "memory.h"
 #include "progress.h"
@@ -121,6 +122,7 @@ static ph_status write_files(const run *r, ph_error *err)
     }
     if (r->report) PH_TRY(relaxation_write(&to, r->c, r->report, err));
     if (r->result && r->result->damage) PH_TRY(damage_write(&to, r->result, err));
+    if (r->result && r->result->failure) PH_TRY(failure_write(&to, r->c, r->result, err));
     destination_file(&to, "result.json", path, sizeof path);
     PH_TRY(ph_write_file(path, r->json, strlen(r->json), err));
     PH_TRY(stop_if_interrupted(err));

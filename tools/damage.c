@@ -13,16 +13,20 @@
 void damage_print(FILE *to, const char *length, const ph_damage *d)
 {
     int axes = d->pristine.n == 6 ? 3 : 2;
-    bool grows = d->kind == PH_SEQUENCE_GROWTH;
+    bool grows = d->kind == PH_SEQUENCE_GROWTH, loads = d->kind == PH_SEQUENCE_LOADING;
     char head[48];
     snprintf(head, sizeof head, "crack length [%s]", length);
-    fprintf(to, "\ndamage\n  %16.32s %9s", grows ? head : "step", "density");
+    fprintf(to, "\ndamage\n  %16.32s %9s",
+            grows   ? head
+            : loads ? "load"
+                    : "step",
+            "density");
     for (int n = 0; n < axes; n++)
         fprintf(to, "   E%d/E%d(0)", n + 1, n + 1);
     fprintf(to, " %10s %8s %12s\n", "anisotropy", "mean phi", "broken bonds");
     for (int i = 0; i < d->nsteps; i++) {
         const ph_damage_step *s = &d->step[i];
-        fprintf(to, "  %16.6g %9.5g", grows ? s->value : i + 1.0, s->density);
+        fprintf(to, "  %16.6g %9.5g", grows || loads ? s->value : i + 1.0, s->density);
         for (int n = 0; n < axes; n++)
             fprintf(to, " %10.5f", s->psi[n]);
         fprintf(to, " %10.4g %8.5f %12td", s->anisotropy, s->mean_damage,

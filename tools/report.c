@@ -2,6 +2,7 @@
 #include "report.h"
 
 #include "damage.h"
+#include "failure.h"
 
 #include <math.h>
 #include <string.h>
@@ -162,5 +163,6 @@ void report_result(FILE *to, const ph_case *c, const ph_result *result)
     if ((result->loads & all) == all) put_engineering(to, c->unit_stress, result);
     put_stiffness(to, c->unit_stress, result);
     if (result->damage) damage_print(to, c->unit_length, result->damage);
+    if (result->failure) failure_print(to, c, result->failure);
     put_solver(to, result);
 }

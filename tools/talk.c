@@ -70,5 +70,7 @@ ph_problem case_problem(const ph_case *c, const ph_microstructure *micro,
         .keep_fields = c->fields,
         .cracks = &plan->cracks,
         .sequence = &plan->sequence,
+        .failure = c->failure.material ? &c->failure : NULL,
+        .loading = c->loading.ntargets ? &c->loading : NULL,
     };
 }

@@ -22,6 +22,8 @@ static const ph_catalogue catalogues[] = {
      &ph_ncalibrations, sizeof *ph_calibrations},
     {"volume_weights", "share of a cell in the family ball", ph_volume_weights,
      &ph_nvolume_weights, sizeof *ph_volume_weights},
+    {"failure_criteria", "when a bond breaks", ph_failure_criteria, &ph_nfailure_criteria,
+     sizeof *ph_failure_criteria},
     {"estimates", "analytic bounds and estimates", ph_estimate_methods,
      &ph_nestimate_methods, sizeof *ph_estimate_methods},
     {"distributions", "how a quantity of random fillers varies", ph_distributions,

@@ -151,6 +151,16 @@ static void record(const ph_run *r, ph_damage_step *s)
     }
 }
 
+ph_status ph_i_damage_step(ph_run *r, ph_damage_step *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    count_damage(r, s);
+    PH_TRY(solve_step(r, err));
+    record(r, s);
+out:
+    return st;
+}
+
 static ph_status take_step(ph_run *r, int number, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -166,27 +176,21 @@ static ph_status take_step(ph_run *r, int number, ph_error *err)
                    ? p->sequence->value[number]
                    : (double)NAN;
     s->density = ph_cracks_density(&cracks, &r->result->grid);
-    count_damage(r, s);
-    PH_TRY(solve_step(r, err));
-    record(r, s);
+    PH_TRY(ph_i_damage_step(r, s, err));
 out:
     ph_cracks_free(&cracks);
     return st;
 }
 
-ph_status ph_i_run_damage(ph_run *r, ph_error *err)
+ph_status ph_i_damage_begin(ph_run *r, ph_sequence_kind kind, int nsteps, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_problem *p = r->problem;
-    const ph_crack_sequence *q = p->sequence;
     ph_damage *d = NULL;
-    bool kept = r->keep_fields;
     size_t n = (size_t)(r->op->layout.nd * r->op->layout.cells);
-    PH_TRY(check_sequence(p, err));
     PH_ALLOC(d, 1, "the damage");
     r->result->damage = d;
-    d->kind = q ? q->kind : PH_SEQUENCE_NONE;
-    d->nsteps = d->kind == PH_SEQUENCE_NONE ? 1 : q->nsteps;
+    d->kind = kind;
+    d->nsteps = nsteps;
     PH_ALLOC(d->step, d->nsteps, "steps");
     PH_ALLOC(d->field, ph_grid_cells(&r->result->grid), "the damage field");
     r->keep_fields = false;
@@ -195,8 +199,20 @@ ph_status ph_i_run_damage(ph_run *r, ph_error *err)
     for (int a = 0; a < r->map->ns; a++)
         if (r->result->loads >> a & 1 && d->nsteps > 1)
             PH_DOUBLES(r->first[a], &r->meter, n, "a first guess");
-    for (int i = 0; i < d->nsteps; i++) {
-        r->keep_fields = kept && i == d->nsteps - 1;
+out:
+    return st;
+}
+
+ph_status ph_i_run_damage(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_crack_sequence *q = r->problem->sequence;
+    ph_sequence_kind kind = q ? q->kind : PH_SEQUENCE_NONE;
+    bool kept = r->keep_fields;
+    PH_TRY(check_sequence(r->problem, err));
+    PH_TRY(ph_i_damage_begin(r, kind, kind == PH_SEQUENCE_NONE ? 1 : q->nsteps, err));
+    for (int i = 0; i < r->result->damage->nsteps; i++) {
+        r->keep_fields = kept && i == r->result->damage->nsteps - 1;
         PH_TRY(take_step(r, i, err));
     }
 out:

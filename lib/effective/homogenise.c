@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <perihom/homogenise.h>
 
-#include "effective/run.h"
+#include "effective/failure.h"
 
 #include <math.h>
 #include <omp.h>
@@ -105,6 +105,7 @@ void ph_result_free(ph_result **result)
     free(res->fields);
     ph_prony_free(&res->relaxation);
     ph_damage_free(&res->damage);
+    ph_failure_path_free(&res->failure);
     free(res->names);
     free(res->fractions);
     free(res);
@@ -340,7 +341,9 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
     PH_TRY(ph_i_run_build(r, err));
     double start = ph_i_run_now();
     r->keep_fields = r->problem->keep_fields;
-    st = r->broken ? ph_i_run_damage(r, err) : ph_i_run_loads(r, err);
+    st = r->problem->loading ? ph_i_run_failure(r, err)
+         : r->broken         ? ph_i_run_damage(r, err)
+                             : ph_i_run_loads(r, err);
     *solving = ph_i_run_now() - start;
     if (st == PH_ENOCONV) ph_i_run_solved_columns(r);
     if (st != PH_OK) goto out;

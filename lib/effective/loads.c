@@ -141,31 +141,52 @@ out:
     return st;
 }
 
+static ph_cg_report new_report(const ph_run *r, int number, int loads, bool guessed)
+{
+    const ph_solver_params *sp = &r->problem->solver;
+    return (ph_cg_report){.tolerance = tolerance_of(r),
+                          .max_iterations = sp->max_iterations > 0 ? sp->max_iterations
+                                                                   : DEFAULT_ITERATIONS,
+                          .ctx = r->ctx,
+                          .load = number,
+                          .loads = loads,
+                          .guessed = guessed};
+}
+
+/* r->load is made; r->u on return. */
+static ph_status solve_for(ph_run *r, bool by_stress, const double *guess,
+                           ph_cg_report *report, ph_error *err)
+{
+    size_t size = sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells);
+    if (guess) memcpy(r->u, guess, size);
+    if (!load_is_nothing(r, by_stress))
+        return r->solver->solve(r->state, r->load, r->u, report, err);
+    memset(r->u, 0, size);
+    return PH_OK;
+}
+
+ph_status ph_i_run_solve(ph_run *r, const double *macro, const double *guess,
+                         ph_cg_report *report, ph_error *err)
+{
+    *report = new_report(r, 1, 1, guess != NULL);
+    ph_i_operator_load(r->op, macro, r->load);
+    return solve_for(r, false, guess, report, err);
+}
+
 static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
-    const ph_solver_params *sp = &r->problem->solver;
     double unit[6] = {0};
     unit[load] = 1.0;
     const double *macro = ph_i_run_by_stress(r, load) ? NULL : unit;
-    ph_cg_report report = {.tolerance = tolerance_of(r),
-                           .max_iterations = sp->max_iterations > 0 ? sp->max_iterations
-                                                                    : DEFAULT_ITERATIONS,
-                           .ctx = r->ctx,
-                           .load = number,
-                           .loads = loads,
-                           .guessed = r->first[load] != NULL};
+    ph_cg_report report = new_report(r, number, loads, r->first[load] != NULL);
     size_t size = sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells);
     if (macro)
         ph_i_operator_load(r->op, macro, r->load);
     else
         ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
-    if (r->first[load]) memcpy(r->u, r->first[load], size);
-    if (load_is_nothing(r, !macro))
-        memset(r->u, 0, size);
-    else
-        st = r->solver->solve(r->state, r->load, r->u, &report, err);
+    st = solve_for(r, !macro, r->first[load], &report, err);
     res->iterations[res->nloads] = report.iterations;
     res->residual[res->nloads++] = report.residual;
     if (st != PH_OK && st != PH_ENOCONV) return st;

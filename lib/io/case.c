@@ -9,7 +9,7 @@ enum { MAX_FILE = 1 << 26 };
 static const char *const root_keys[] = {
     "perihom",        "title",  "units",      "temperature", "materials",
     "microstructure", "model",  "constraint", "solver",      "viscoelastic",
-    "output",         "cracks", "sequence"};
+    "output",         "cracks", "sequence",   "failure",     "loading"};
 static const char *const unit_keys[] = {"length", "stress", "time", "temperature"};
 
 void ph_case_free(ph_case **c)
@@ -27,6 +27,7 @@ void ph_case_free(ph_case **c)
     free((*c)->inclusions);
     free((*c)->fillers);
     ph_i_cracks_free(*c);
+    ph_i_failure_free(*c);
     free(*c);
     *c = NULL;
 }
@@ -74,6 +75,7 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     ph_i_read_constraint(r, ph_i_get(root, "constraint"));
     ph_i_read_solver(r, ph_i_get(root, "solver"));
     PH_TRY(ph_i_read_cracks(r, root, err));
+    PH_TRY(ph_i_read_failure(r, root, err));
     PH_TRY(ph_i_read_viscoelastic(r, ph_i_get(root, "viscoelastic"), err));
     ph_i_read_output(r, ph_i_get(root, "output"));
 out:

@@ -177,6 +177,9 @@ void ph_i_take_kappa(ph_i_reader *r);
 /** `cracks` and `sequence`. */
 ph_status ph_i_read_cracks(ph_i_reader *r, const ph_i_node *root, ph_error *err);
 void ph_i_cracks_free(ph_case *c);
+/** `failure` and `loading`. */
+ph_status ph_i_read_failure(ph_i_reader *r, const ph_i_node *root, ph_error *err);
+void ph_i_failure_free(ph_case *c);
 /** A number or a distribution, every value in [lo, hi], above lo where `open`. */
 void ph_i_read_distribution(ph_i_reader *r, const ph_i_node *node, const char *what,
                             double lo, double hi, bool open, ph_distribution *d);

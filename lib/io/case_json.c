@@ -241,6 +241,8 @@ static json_t *case_to_json(const ph_case *c, bool *good)
     if (c->ncracks > 0) put(map, "cracks", ph_i_cracks_to_json(c, good), good);
     if (c->sequence.kind != PH_SEQUENCE_NONE)
         put(map, "sequence", ph_i_sequence_to_json(c, good), good);
+    if (c->failure.material) put(map, "failure", ph_i_failure_to_json(c, good), good);
+    if (c->loading.ntargets > 0) put(map, "loading", ph_i_loading_to_json(c, good), good);
     if (c->viscoelastic.given || ph_case_relaxes(c))
         put(map, "viscoelastic", ph_i_viscoelastic_to_json(&c->viscoelastic, good), good);
     put(map, "output", output, good);

@@ -12,6 +12,7 @@ static const char *value_name(ph_sequence_kind kind)
 {
     return kind == PH_SEQUENCE_GROWTH    ? "crack_length"
            : kind == PH_SEQUENCE_DENSITY ? "density_asked"
+           : kind == PH_SEQUENCE_LOADING ? "load"
                                          : NULL;
 }
 
@@ -42,8 +43,10 @@ static ph_status put_step(const ph_damage *d, int number, json_t *list, json_t *
     int axes = s->stiffness.n == 6 ? 3 : 2;
     snprintf(path, sizeof path, "effective.damage.steps.%d", number);
     PH_CHECK(obj && psi, PH_ENOMEM, "no memory for the damage");
-    PH_TRY(ph_i_json_put(obj, "load", json_null(), err));
-    if (value_name(d->kind))
+    PH_TRY(ph_i_json_put(
+        obj, "load", d->kind == PH_SEQUENCE_LOADING ? json_real(s->value) : json_null(),
+        err));
+    if (value_name(d->kind) && d->kind != PH_SEQUENCE_LOADING)
         PH_TRY(ph_i_json_put(obj, value_name(d->kind), json_real(s->value), err));
     PH_TRY(ph_i_json_put(obj, "density", ph_i_json_number(s->density), err));
     PH_TRY(put_voigt(obj, "stiffness", &s->stiffness, err));

@@ -38,6 +38,12 @@ json_t *ph_i_distribution_to_json(const ph_distribution *d, bool *good);
 /** `cracks` and `sequence` (case_cracks_json.c). */
 json_t *ph_i_cracks_to_json(const ph_case *c, bool *good);
 json_t *ph_i_sequence_to_json(const ph_case *c, bool *good);
+/** `failure` and `loading` (case_failure_json.c). */
+json_t *ph_i_failure_to_json(const ph_case *c, bool *good);
+json_t *ph_i_loading_to_json(const ph_case *c, bool *good);
+/** `effective.failure` (failure_json.c). */
+ph_status ph_i_json_failure(const ph_failure_path *path, json_t *effective,
+                            json_t *reasons, ph_error *err);
 /** `effective.damage` (damage_json.c). */
 ph_status ph_i_json_damage(const ph_damage *damage, json_t *effective, json_t *reasons,
                            ph_error *err);

@@ -228,9 +228,9 @@ ph_status ph_bond_family_new(const ph_grid *grid, double horizon,
     PH_ALLOC(f->xi, f->count, "bonds");
     PH_ALLOC(f->w, f->count, "springs");
     scan(&r, f, true);
+    PH_TRY(calibrate(f, &r, calibration, lattice, err));
     for (ptrdiff_t b = 0; b < f->count; b++)
         f->weight += f->w[b];
-    PH_TRY(calibrate(f, &r, calibration, lattice, err));
     if (lattice) lattice->constant = constant;
     *out = f;
     f = NULL;

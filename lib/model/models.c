@@ -31,7 +31,7 @@ const ph_model_method *ph_i_model_find(const char *name)
 
 bool ph_i_has_cracks(const ph_problem *p)
 {
-    return p->cracks && p->cracks->count > 0;
+    return p->loading || (p->cracks && p->cracks->count > 0);
 }
 
 void ph_i_note(ph_result *result, const char *fmt, ...)

@@ -182,6 +182,11 @@ typedef struct ph_case {
     ptrdiff_t ncracks;
     ph_crack_entry *cracks;
     ph_sequence_entry sequence;
+    ph_failure_rule *strengths; /* [nmaterials], or NULL: not given */
+    double *targets;
+    ph_failure failure; /* with `strengths` */
+    ph_loading loading; /* with `targets`; none: not given */
+    int pictures_every; /* steps of the loading between pictures; 0: the last one only */
     ph_voxels voxels;
     ph_interface interface;
     uint64_t seed;

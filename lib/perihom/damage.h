@@ -10,9 +10,10 @@ extern "C" {
 
 /** What changes from step to step. */
 typedef enum ph_sequence_kind {
-    PH_SEQUENCE_NONE,   /* the cracks as they are: one step */
-    PH_SEQUENCE_GROWTH, /* some cracks have a new length in every step */
-    PH_SEQUENCE_DENSITY /* more and more of the cracks are there */
+    PH_SEQUENCE_NONE,    /* the cracks as they are: one step */
+    PH_SEQUENCE_GROWTH,  /* some cracks have a new length in every step */
+    PH_SEQUENCE_DENSITY, /* more and more of the cracks are there */
+    PH_SEQUENCE_LOADING  /* of a result: bonds break under a load, see failure.h */
 } ph_sequence_kind;
 
 /** Steps of prescribed damage. Bonds do not heal: values must not fall. Borrows its arrays. */
@@ -29,7 +30,7 @@ typedef struct ph_crack_sequence {
 } ph_crack_sequence;
 
 typedef struct ph_damage_step {
-    double value;       /* of the sequence; NaN without one */
+    double value;       /* of the sequence or the load; NaN without one */
     double density;     /* ph_cracks_density of the cracks that are there */
     ph_sym4 stiffness;  /* secant, Mandel */
     double psi[3];      /* E_n of this step over E_n without cracks, as many as axes */

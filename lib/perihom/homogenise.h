@@ -4,6 +4,7 @@
 
 #include <perihom/bond.h>
 #include <perihom/damage.h>
+#include <perihom/failure.h>
 #include <perihom/family.h>
 #include <perihom/prony.h>
 
@@ -73,6 +74,8 @@ typedef struct ph_problem {
     bool keep_fields;        /* keep displacement, strain, stress of each load */
     const ph_cracks *cracks; /* NULL or none: no bond is broken */
     const ph_crack_sequence *sequence; /* of the cracks; NULL: as they are */
+    const ph_failure *failure;         /* of the bonds, with a loading */
+    const ph_loading *loading;         /* NULL: nothing breaks but what cracks cut */
 } ph_problem;
 
 /** The fields of one load case on the RVE, component first: [component][cell], for one unit
@@ -139,6 +142,9 @@ typedef struct ph_result {
 
     ph_bond_report bond;
     ph_damage *damage; /* with cracks; the stiffness above is that of the last step */
+
+    ph_failure_path
+        *failure; /* with a loading; damage and stiffness are those of its steps */
 
     double seconds, seconds_solve;
     size_t peak_bytes; /* of the solver's own arrays */

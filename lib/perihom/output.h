@@ -60,6 +60,14 @@ PH_API ph_status ph_prony_to_yaml(const ph_prony *p, const char *name, char **te
  *  @return PH_OK; PH_ENOMEM. Tested: tests/unit/test_cracks.c */
 PH_API ph_status ph_damage_to_csv(const ph_damage *damage, char **text, ph_error *err);
 
+/** The steps of a loading as a table: load, stress_11 .., conjugate_stress, broken_bonds and
+ *  the energies; and its events: load, stress before and after, the same. malloc'd.
+ *  @return PH_OK; PH_EINVAL; PH_ENOMEM. Tested: tests/verify/test_failure.c */
+PH_API ph_status ph_failure_steps_csv(const ph_failure_path *path, char **text,
+                                      ph_error *err);
+PH_API ph_status ph_failure_events_csv(const ph_failure_path *path, char **text,
+                                       ph_error *err);
+
 /** Write text to a file so that a reader sees the old file or the new one, never half: a
  *  temporary file in the same folder, fsync, rename. A symbolic link is followed; a device
  *  or a pipe (/dev/stdout) is written in place.

@@ -117,6 +117,7 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
     PH_TRY(check_outputs(s, err));
     ph_case mine = *s->c; /* borrows the arrays of the case */
     mine.realisation = s->realisation;
+    mine.failure.realisation = s->realisation;
     PH_TRY(ph_rve_build(&mine, &micro, err));
     PH_TRY(ph_rve_cracks(&mine, &plan, err));
     ph_problem problem = {.micro = micro,
@@ -126,6 +127,8 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
                           .solver = mine.solver,
                           .cracks = &plan->cracks,
                           .sequence = &plan->sequence,
+                          .failure = mine.failure.material ? &mine.failure : NULL,
+                          .loading = mine.loading.ntargets ? &mine.loading : NULL,
                           .loads = ph_scenario_loads(s)};
     /* No load: the bounds need none, and the result has the fractions. */
     if (problem.loads == 0) problem.constraint = (ph_constraint_params){.kind = "voigt"};

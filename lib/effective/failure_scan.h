@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which bonds are the nearest to breaking, for a displacement that is linear in the load. */
+#ifndef PH_EFFECTIVE_FAILURE_SCAN_H
+#define PH_EFFECTIVE_FAILURE_SCAN_H
+
+#include "effective/failure.h"
+
+/** A bond that is to break. */
+typedef struct ph_picked {
+    ptrdiff_t x, b, y;
+    double pull; /* xi . (macro xi + u(y) - u(x)) for the unit load */
+} ph_picked;
+
+typedef struct ph_scan {
+    const ph_run *run;
+    const ph_strengths *strengths;
+    const double *macro; /* [ns] Mandel, of the unit load */
+    ptrdiff_t cells, nhalf;
+    int *half;        /* [nhalf] one bond of each pair */
+    int32_t *wrap[3]; /* cell number i - reach .. n + reach of each axis */
+    double *critical; /* [cells][nhalf] with scatter, else NULL */
+    double *least;    /* [cells] least critical load of the bonds of a cell */
+    ptrdiff_t npicked, room;
+    ph_picked *picked;
+} ph_scan;
+
+ph_status ph_i_scan_new(const ph_run *run, const ph_strengths *strengths,
+                        const double *macro, ph_scan **out, ph_error *err);
+void ph_i_scan_free(ph_scan **scan);
+/** Least load > 0 at which an intact bond breaks, where u [nd][cells] belongs to the unit
+ *  load times sign; INFINITY: none. Cost: bonds. The same bits for any number of threads. */
+double ph_i_scan_least(ph_scan *scan, const double *u, double sign);
+/** Collect the bonds whose critical load, as last scanned, is not above `most`. */
+ph_status ph_i_scan_pick(ph_scan *scan, const double *u, double sign, double most,
+                         ph_error *err);
+/** Pull of a bond, see ph_picked. */
+double ph_i_scan_pull(const ph_scan *scan, const double *u, ptrdiff_t x, ptrdiff_t b,
+                      ptrdiff_t y);
+
+#endif

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a loading did: a section of the result document, and tables. */
+#include <perihom/output.h>
+#include <perihom/table.h>
+
+#include "io/json.h"
+
+#include <math.h>
+#include <string.h>
+
+static ph_status put_energy(json_t *obj, const char *path, const ph_failure_energy *e,
+                            json_t *reasons, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(ph_i_json_put(obj, "external", ph_i_json_number(e->external), err));
+    PH_TRY(ph_i_json_put(obj, "stored", ph_i_json_number(e->stored), err));
+    PH_TRY(ph_i_json_put_number(obj, path, "fracture", e->fracture, reasons,
+                                "bonds of model nosb hold no energy of their own", err));
+    PH_TRY(ph_i_json_put(obj, "dissipated", ph_i_json_number(e->dissipated), err));
+out:
+    return st;
+}
+
+static ph_status put_step(const ph_failure_path *p, int number, json_t *list,
+                          json_t *reasons, ph_error *err)
+{
+    ph_status st = PH_OK;
+    char path[64];
+    snprintf(path, sizeof path, "effective.failure.steps.%d", number);
+    const ph_failure_step *s = &p->step[number];
+    json_t *obj = json_object(), *stress = json_array();
+    PH_CHECK(obj && stress, PH_ENOMEM, "no memory for the failure");
+    PH_TRY(ph_i_json_put(obj, "load", json_real(s->load), err));
+    for (int i = 0; i < p->n; i++)
+        PH_TRY(ph_i_json_add(stress, ph_i_json_number(s->stress[i]), err));
+    PH_TRY(ph_i_json_put(obj, "stress", json_incref(stress), err));
+    PH_TRY(ph_i_json_put(obj, "conjugate_stress", ph_i_json_number(s->work), err));
+    PH_TRY(ph_i_json_put(obj, "broken_bonds", json_integer((json_int_t)s->broken), err));
+    PH_TRY(ph_i_json_put(obj, "events", json_integer((json_int_t)s->events), err));
+    PH_TRY(put_energy(obj, path, &s->energy, reasons, err));
+    PH_TRY(ph_i_json_add(list, json_incref(obj), err));
+out:
+    json_decref(obj);
+    json_decref(stress);
+    return st;
+}
+
+/* Energies of the path from event to event, at its end. */
+static ph_status put_events(const ph_failure_path *p, json_t *failure, json_t *reasons,
+                            ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *obj = json_object();
+    ph_failure_energy none = {0};
+    PH_CHECK(obj, PH_ENOMEM, "no memory for the failure");
+    PH_TRY(ph_i_json_put(obj, "count", json_integer((json_int_t)p->nevents), err));
+    PH_TRY(ph_i_json_put(obj, "imbalance", ph_i_json_number(p->imbalance), err));
+    PH_TRY(put_energy(obj, "effective.failure.event_path",
+                      p->nevents ? &p->event[p->nevents - 1].energy : &none, reasons,
+                      err));
+    PH_TRY(ph_i_json_put(failure, "event_path", json_incref(obj), err));
+out:
+    json_decref(obj);
+    return st;
+}
+
+ph_status ph_i_json_failure(const ph_failure_path *p, json_t *effective, json_t *reasons,
+                            ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *failure = json_object(), *steps = json_array(), *strain = json_array();
+    PH_CHECK(failure && steps && strain, PH_ENOMEM, "no memory for the failure");
+    for (int i = 0; i < p->n; i++)
+        PH_TRY(ph_i_json_add(strain, ph_i_json_number(p->strain[i]), err));
+    PH_TRY(ph_i_json_put(failure, "strain", json_incref(strain), err));
+    PH_TRY(ph_i_json_put(failure, "break",
+                         json_string(p->together ? "together" : "events"), err));
+    PH_TRY(ph_i_json_put(failure, "window", ph_i_json_number(p->window), err));
+    PH_TRY(ph_i_json_put_number(failure, "effective.failure", "first_load", p->first_load,
+                                reasons, "no bond broke", err));
+    PH_TRY(ph_i_json_put(failure, "peak_load", ph_i_json_number(p->peak_load), err));
+    PH_TRY(ph_i_json_put(failure, "peak_stress", ph_i_json_number(p->peak_stress), err));
+    PH_TRY(ph_i_json_put(failure, "toughness", ph_i_json_number(p->toughness), err));
+    PH_TRY(ph_i_json_put(failure, "severed", json_boolean(p->severed), err));
+    PH_TRY(put_events(p, failure, reasons, err));
+    for (int i = 0; i < p->nsteps; i++)
+        PH_TRY(put_step(p, i, steps, reasons, err));
+    PH_TRY(ph_i_json_put(failure, "steps", json_incref(steps), err));
+    PH_TRY(ph_i_json_put(effective, "failure", json_incref(failure), err));
+out:
+    json_decref(failure);
+    json_decref(steps);
+    json_decref(strain);
+    return st;
+}
+
+/* ---- tables ------------------------------------------------------------------------------ */
+
+static ph_status to_text(ph_table **table, char **text, ph_error *err)
+{
+    ph_status st = ph_table_to_csv(*table, text, err);
+    ph_table_free(table);
+    return st;
+}
+
+ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *err)
+{
+    ph_status st = PH_OK;
+    static const char *const three[] = {"stress_11", "stress_22", "stress_12"},
+                             *const six[] = {"stress_11", "stress_22", "stress_33",
+                                             "stress_23", "stress_13", "stress_12"},
+                             *const rest[] = {"conjugate_stress", "broken_bonds",
+                                              "external",         "stored",
+                                              "fracture",         "dissipated"};
+    const char *name[13] = {"load"};
+    ph_table *t = NULL;
+    int k = 1;
+    PH_CHECK(p && text && p->nsteps > 0, PH_EINVAL, "no failure to write");
+    for (int i = 0; i < p->n; i++)
+        name[k++] = p->n == 3 ? three[i] : six[i];
+    for (int i = 0; i < 6; i++)
+        name[k++] = rest[i];
+    PH_TRY(ph_table_new(k, name, p->nsteps, &t, err));
+    for (int i = 0; i < p->nsteps; i++) {
+        const ph_failure_step *s = &p->step[i];
+        const double last[] = {
+            s->work,          (double)s->broken,  s->energy.external,
+            s->energy.stored, s->energy.fracture, s->energy.dissipated};
+        t->value[i] = s->load;
+        for (int j = 0; j < p->n; j++)
+            t->value[(ptrdiff_t)(1 + j) * p->nsteps + i] = s->stress[j];
+        for (int j = 0; j < 6; j++)
+            t->value[(ptrdiff_t)(1 + p->n + j) * p->nsteps + i] = last[j];
+    }
+    PH_TRY(to_text(&t, text, err));
+out:
+    ph_table_free(&t);
+    return st;
+}
+
+ph_status ph_failure_events_csv(const ph_failure_path *p, char **text, ph_error *err)
+{
+    ph_status st = PH_OK;
+    static const char *const name[] = {"load",         "stress_before", "stress_after",
+                                       "broken_bonds", "external",      "stored",
+                                       "fracture",     "dissipated",    "iterations"};
+    enum { COLUMNS = sizeof name / sizeof *name };
+    ph_table *t = NULL;
+    PH_CHECK(p && text, PH_EINVAL, "no failure to write");
+    PH_TRY(ph_table_new(COLUMNS, name, p->nevents, &t, err));
+    for (ptrdiff_t i = 0; i < p->nevents; i++) {
+        const ph_failure_event *e = &p->event[i];
+        const double row[COLUMNS] = {e->load,
+                                     e->before,
+                                     e->after,
+                                     (double)e->broken,
+                                     e->energy.external,
+                                     e->energy.stored,
+                                     e->energy.fracture,
+                                     e->energy.dissipated,
+                                     e->iterations};
+        for (int j = 0; j < COLUMNS; j++)
+            t->value[j * p->nevents + i] = row[j];
+    }
+    PH_TRY(to_text(&t, text, err));
+out:
+    ph_table_free(&t);
+    return st;
+}
