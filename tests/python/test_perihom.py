@@ -231,8 +231,41 @@ def relaxing_composites():
     raises(TypeError, lambda: perihom.relaxation(blob(), colour="red"), "colour")
 
 
+def superelements():
+    """Two halves assembled at the face that they share, which is then eliminated: the whole."""
+    n = 8
+    phase = np.random.default_rng(3).integers(0, 2, (2 * n, n))
+    materials = [perihom.Material.isotropic("soft", 1, 0.3), perihom.Material.isotropic("stiff", 10, 0.2)]
+    whole = perihom.Superelement(perihom.Microstructure(materials, phase, (2, 1), "strain"))
+    halves = [perihom.Superelement(perihom.Microstructure(materials, part, (1, 1), "strain"))
+              for part in (phase[:n], phase[n:])]
+
+    def key(x, shift=0.0):
+        return (round((x[0] + shift) * n), round(x[1] * n))
+
+    keys = {key(x): i for i, x in enumerate(whole.position)}
+    outside = len(keys)
+    for j in range(1, n):
+        keys[(n, j)] = len(keys)
+    K = np.zeros((2 * len(keys), 2 * len(keys)))
+    for half, shift in zip(halves, (0.0, 1.0)):
+        at = np.array([[2 * keys[key(x, shift)], 2 * keys[key(x, shift)] + 1] for x in half.position]).ravel()
+        K[np.ix_(at, at)] += half.stiffness
+    b, i = slice(0, 2 * outside), slice(2 * outside, None)
+    S = K[b, b] - K[b, i] @ np.linalg.solve(K[i, i], K[i, b])
+    assert np.allclose(S, whole.stiffness, atol=1e-11 * np.abs(S).max())  # round-off of two eliminations
+    r = perihom.homogenise(perihom.Microstructure(materials, phase, (2, 1), "strain"), model="local", tolerance=1e-10)
+    assert np.allclose(whole.periodic, r.stiffness, atol=1e-9 * np.abs(r.stiffness).max())
+    lines = whole.to_mtx().splitlines()
+    body = [line for line in lines if not line.startswith("%")]
+    size = 2 * outside
+    assert body[0] == "%d %d" % (size, size) and len(body) == 1 + size * (size + 1) // 2
+    assert float(body[1]) == whole.stiffness[0, 0] and float(body[-1]) == whole.stiffness[-1, -1]
+    raises(perihom.Error, lambda: perihom.Superelement(blob()), "generalised plane strain")
+
+
 tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
-         threads_do_not_meet, cards_and_catalogues, material_points, relaxing_composites]
+         threads_do_not_meet, cards_and_catalogues, material_points, relaxing_composites, superelements]
 failed = 0
 for number, test in enumerate(tests, 1):
     try:

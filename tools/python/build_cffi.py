@@ -138,6 +138,12 @@ typedef struct { const char *name; int id; int symmetry; double tolerance; bool 
 ph_status ph_card_write(const ph_effective *effective, const char *format, const ph_card_params *params, char **text,
                         double *distance, ph_error *err);
 
+typedef struct { int kinematics; int nd; ptrdiff_t nodes; double (*position)[3]; double *stiffness; ptrdiff_t condensed;
+                 ph_sym4 linear, periodic; ...; } ph_superelement;
+ph_status ph_superelement_new(const ph_problem *problem, const ph_ctx *ctx, ph_superelement **out, ph_error *err);
+void ph_superelement_free(ph_superelement **element);
+ph_status ph_superelement_to_mtx(const ph_superelement *element, char **text, ph_error *err);
+
 ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err);
 
 void free(void *);

@@ -25,7 +25,7 @@ from ._effective import Effective, MaterialPoint, Series
 from ._perihom import ffi, lib
 
 __all__ = ["Case", "Effective", "Error", "Fields", "Material", "MaterialPoint", "Microstructure", "Relaxation", "Result",
-           "Series", "card", "catalogue", "catalogues", "homogenise", "relaxation", "run", "version"]
+           "Series", "Superelement", "card", "catalogue", "catalogues", "homogenise", "relaxation", "run", "version"]
 
 _KINEMATICS = ("space", "generalised_strain", "strain", "stress")
 _POINTS = {"auto": 0, "nodes": 1, "stress": 2}
@@ -510,6 +510,32 @@ class Relaxation:
         case = self._case._c if self._case else ffi.NULL
         _check(lib.ph_effective_from_result(self._c.elastic, case, out, err), err)
         return Effective._wrap(out[0], self.series)
+
+
+class Superelement:
+    """The RVE condensed to the nodes of its faces (model local; plane strain, plane stress, 3D).
+
+    position: [node][3] from the lower corner; stiffness: [n][n], row components * node + axis,
+    a view; linear, periodic: the effective stiffness with u = eps x on the faces, and periodic.
+    """
+
+    def __init__(self, micro: Microstructure, interface: Optional[str] = None, threads: int = 0):
+        problem, _keep = _problem(micro, None, "local", interface=interface)
+        out = ffi.new("ph_superelement **")
+        _call(lambda ctx, err: lib.ph_superelement_new(problem, ctx, out, err), threads, None,
+              lambda: lib.ph_superelement_free(out))
+        self._c = _owned(out[0], "ph_superelement", lib.ph_superelement_free)
+        self.components, self.condensed = self._c.nd, self._c.condensed
+        n = self._c.nodes * self._c.nd
+        self.position = _view(self._c, self._c.position, "double", (self._c.nodes, 3))
+        self.stiffness = _view(self._c, self._c.stiffness, "double", (n, n))
+        self.linear, self.periodic = _voigt(self._c.linear), _voigt(self._c.periodic)
+
+    def to_mtx(self) -> str:
+        """Matrix Market text."""
+        out, err = ffi.new("char **"), ffi.new("ph_error *")
+        _check(lib.ph_superelement_to_mtx(self._c, out, err), err)
+        return _take_text(out)
 
 
 def _problem(micro, case, model=None, points=None, horizon=None, constraint=None, solver=None, interface=None,
