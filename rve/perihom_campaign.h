@@ -110,6 +110,9 @@ typedef struct ph_campaign_point {
     double *number; /* [nkeys] the value where it is a number, else NaN */
     ph_case *c;
     ph_case *model[PH_MAX_MODELS]; /* cheaper models of c, from 1 on */
+    ph_grid_pair
+        grid; /* two models on two grids, else alike: for the discretisation; ratio
+                        * 0: none */
 } ph_campaign_point;
 
 /** Measurements to draw beside the means. */
@@ -130,7 +133,9 @@ typedef struct ph_campaign {
     int noutputs;
     ph_quantity *output;
     ph_stopping stopping;
-    int judged; /* the output of the stopping rule, or -1 */
+    double relative_error; /* in place of a half width: that of grid and interval together
+                            * (ph_estimation_rule.total), over the mean; 0: not asked for */
+    int judged;            /* the output of the stopping rule, or -1 */
     bool common_random_numbers;
     /* Variance reduction: cheaper models of each point, with the same realisations. */
     ph_quantity
@@ -161,6 +166,8 @@ PH_API ph_status ph_campaign_parse(const char *text, size_t length, const char *
                                    ph_campaign **out, ph_case_issues *issues,
                                    ph_error *err);
 PH_API void ph_campaign_free(ph_campaign **campaign);
+/** Why the discretisation of output k at a point cannot be had from its models; NULL: it can. */
+PH_API const char *ph_campaign_no_grid(const ph_campaign *c, int point, int k);
 /** The realisation that number i of a point is: i itself, so that all points see the same
  *  random numbers; without common random numbers point 2^32 + i. */
 PH_API uint64_t ph_campaign_realisation(const ph_campaign *c, int point, int64_t i);
@@ -196,7 +203,8 @@ typedef struct ph_campaign_params {
 /** Statistics of one output at one point. */
 typedef struct ph_campaign_mean {
     int64_t n;
-    ph_interval mean; /* half width at the confidence of the campaign */
+    ph_interval mean;       /* half width at the confidence of the campaign */
+    ph_discretisation bias; /* what the grid adds; NaN and n = 0 where it is not known */
 } ph_campaign_mean;
 
 /** Statistics of one point. */

@@ -35,6 +35,22 @@ typedef struct ph_estimator {
 PH_API extern const ph_estimator ph_estimators[];
 PH_API extern const size_t ph_nestimators;
 
+/** Two models that differ in nothing but the spacing of their grids: h for `fine`, which is
+ *  also that of model 0, and ratio h for `coarse`. ratio 0: there are no such models. */
+typedef struct ph_grid_pair {
+    int fine, coarse; /* models, fine < coarse */
+    double ratio;     /* > 1 */
+} ph_grid_pair;
+
+/** What a grid adds to the mean, by extrapolation at first order [Richardson1911]: with
+ *  E[x_h] = E[x_0] + c h, c h = E[x_rh - x_h] / (r - 1), from pairs of the same realisation. */
+typedef struct ph_discretisation {
+    double estimate; /* c h: the mean of the grid less that of an infinitely fine one */
+    double standard_error, half_width;
+    double dof;  /* of Student's t in half_width */
+    ptrdiff_t n; /* pairs that did not fail; 0: none there, the rest NaN */
+} ph_discretisation;
+
 /** When to stop, and how. Zeroed: auto, 95 %, nothing wanted (which is refused). */
 typedef struct ph_estimation_rule {
     const char
@@ -44,6 +60,9 @@ typedef struct ph_estimation_rule {
     double confidence; /* 0: 0.95 */
     double budget;     /* cost never to be exceeded, in the unit of the costs; 0: none */
     ptrdiff_t pilot;   /* realisations of model 0 before anything is decided; 0: 12 */
+    ph_grid_pair grid; /* where there is one */
+    bool total; /* half_width holds |discretisation|, its half-width and that of the mean
+                 * together; needs a grid pair and half_width > 0 */
 } ph_estimation_rule;
 
 /** One term of the sum. */
@@ -78,9 +97,12 @@ typedef struct ph_estimation {
     ptrdiff_t want[PH_MAX_MODELS]; /* realisations of every model that are needed now */
     ptrdiff_t decided[PH_MAX_MODELS]; /* those whose scatter the last decision saw */
     bool done;                        /* nothing more is needed */
-    bool reached;              /* the half-width asked for (done without it: budget) */
-    int stage;                 /* 0: pilots, 1: chain chosen, 2: half-way, 3: the end */
-    char reason[256];          /* why this method; what stopped it */
+    bool reached;           /* the half-width asked for (done without it: budget) */
+    int stage;              /* 0: pilots, 1: chain chosen, 2: half-way, 3: the end */
+    char reason[384];       /* why this method; what stopped it */
+    ph_discretisation bias; /* with rule.total; else zeros */
+    double finer; /* rule.total, not reached: so many times finer must the grid be for its
+                   * error to be half of what is asked for; 0: not the grid's fault */
     ph_mean_estimate estimate; /* from the realisations of the last full stage */
 } ph_estimation;
 
@@ -105,6 +127,19 @@ typedef struct ph_estimation {
  *  Tested: tests/unit/test_estimators.c, tests/laws/test_unbiased.c */
 PH_API ph_status ph_estimation_next(const ph_estimation_rule *rule, int nmodels,
                                     const ph_model_samples *models, ph_estimation *out,
+                                    ph_error *err);
+/** Discretisation from the first n realisations of both models of `grid`; its scatter (and the
+ *  degrees of freedom) from the first `seen` of them, as in ph_estimation.decided.
+ *
+ *  With rule.total ph_estimation_next takes from what is asked for the |estimate|, and parts
+ *  the rest between the half-widths of discretisation and mean so that all realisations
+ *  together cost least. Where the estimate alone is as much as is asked for, it stops.
+ *  @return PH_OK; PH_EINVAL (no pair, no such model, seen > n, too few realisations);
+ *          PH_ESINGULAR (fewer than two of the seen pairs did not fail).
+ *  Tested: tests/unit/test_discretisation.c */
+PH_API ph_status ph_estimation_bias(const ph_grid_pair *grid, double confidence,
+                                    int nmodels, const ph_model_samples *models,
+                                    ptrdiff_t seen, ptrdiff_t n, ph_discretisation *out,
                                     ph_error *err);
 /** The mean of another quantity of the same realisations by the chain and the numbers of
  *  `e` (its `want`, all of which must be there), with coefficients of its own. */

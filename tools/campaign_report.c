@@ -99,6 +99,20 @@ static void put_estimation(FILE *to, const ph_campaign *c, const ph_estimation *
                 m->plain_cost / m->cost);
 }
 
+/* What the grid adds to the means, where two grids tell. */
+static void put_bias(FILE *to, const ph_campaign *c, const ph_campaign_summary *s,
+                     const ph_grid_pair *grid)
+{
+    for (int k = 0; k < c->noutputs; k++) {
+        const ph_discretisation *b = &s->output[k].bias;
+        if (b->n > 0)
+            fprintf(to,
+                    "  the grid adds %.3g +- %.2g to %s (first order; %td "
+                    "realisations on spacings %.3g times wider)\n",
+                    b->estimate, b->half_width, c->output[k].name, b->n, grid->ratio);
+    }
+}
+
 void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r)
 {
     put_head(to, c);
@@ -119,7 +133,10 @@ void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r)
                 : s->reached  ? "yes"
                               : "no",
                 s->complete ? "" : " (incomplete)");
-        if (s->estimation) put_estimation(to, c, s->estimation);
+        if (s->estimation) {
+            put_estimation(to, c, s->estimation);
+            put_bias(to, c, s, &c->point[p].grid);
+        }
     }
     fprintf(to, "+-: half width of the %g %% interval of the mean\n",
             100 * c->stopping.confidence);

@@ -63,6 +63,8 @@ void ph_i_levels_clear(ph_i_levels *levels);
 ph_status ph_i_levels_resolve(const ph_i_levels *levels, int point,
                               const char *const *sets, size_t nsets, ph_campaign *c,
                               ph_case_issues *issues, ph_error *err);
+/** grids.c: the grid pair of a point whose models are there. */
+ph_status ph_i_grids_find(ph_campaign *c, int point, ph_error *err);
 static inline int ph_i_slots(const ph_campaign *c)
 {
     return c->npoints * (c->nmodels > 1 ? c->nmodels : 1);
@@ -196,6 +198,8 @@ ph_status ph_i_variance_add(ph_i_tally *t, int slot, bool failed, int iterations
                             const double *value, ph_error *err);
 /** Mean of output k of a point by the estimation so far; false: there is none yet. */
 bool ph_i_variance_mean(const ph_i_tally *t, int point, int k, ph_interval *out);
+/** What the grid adds to it; n = 0: not known. */
+ph_discretisation ph_i_variance_bias(const ph_i_tally *t, int point, int k);
 /** All entries of a store. */
 ph_status ph_i_tally_load(ph_i_tally *t, ph_i_store *s, bool skip_failed, ph_error *err);
 

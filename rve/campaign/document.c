@@ -91,6 +91,42 @@ out:
     return st;
 }
 
+/* What the grid adds to the mean of output k, or why that is not known. */
+static ph_status put_bias(json_t *list, const ph_campaign *c, int point, int k,
+                          const ph_discretisation *b, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *map = json_object();
+    const char *no = ph_campaign_no_grid(c, point, k);
+    double ratio = b->n ? c->point[point].grid.ratio : (double)NAN;
+    PH_TRY(ph_i_json_put(list, c->output[k].name, map, err));
+    PH_TRY(ph_i_json_put(map, "estimate", ph_i_json_number(b->estimate), err));
+    PH_TRY(
+        ph_i_json_put(map, "standard_error", ph_i_json_number(b->standard_error), err));
+    PH_TRY(ph_i_json_put(map, "half_width", ph_i_json_number(b->half_width), err));
+    PH_TRY(ph_i_json_put(map, "ratio", ph_i_json_number(ratio), err));
+    PH_TRY(ph_i_json_put(map, "realisations", json_integer(b->n), err));
+    if (b->n == 0)
+        PH_TRY(ph_i_json_put(
+            map, "reason",
+            ph_i_json_text(no ? no : "too few realisations of both grids are there"),
+            err));
+out:
+    return st;
+}
+
+static ph_status put_discretisation(json_t *point, const ph_campaign *c, int p,
+                                    const ph_campaign_summary *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *list = json_object();
+    PH_TRY(ph_i_json_put(point, "discretisation", list, err));
+    for (int k = 0; k < c->noutputs; k++)
+        PH_TRY(put_bias(list, c, p, k, &s->output[k].bias, err));
+out:
+    return st;
+}
+
 static ph_status put_point(json_t *list, const ph_campaign *c, int p,
                            const ph_campaign_summary *s, ph_error *err)
 {
@@ -108,7 +144,10 @@ static ph_status put_point(json_t *list, const ph_campaign *c, int p,
     PH_TRY(put_statistic(map, "std", c, s, deviation, err));
     PH_TRY(put_statistic(map, "standard_error", c, s, standard_error, err));
     PH_TRY(put_statistic(map, "half_width", c, s, half_width, err));
-    if (s->estimation) PH_TRY(put_estimation(map, c, s->estimation, err));
+    if (s->estimation) {
+        PH_TRY(put_estimation(map, c, s->estimation, err));
+        PH_TRY(put_discretisation(map, c, p, s, err));
+    }
 out:
     return st;
 }
@@ -127,6 +166,8 @@ static ph_status put_rule(json_t *root, const ph_campaign *c, ph_error *err)
         ph_i_json_put(map, "quantity", ph_i_json_text(c->output[c->judged].name), err));
     if (s->half_width > 0.0)
         PH_TRY(ph_i_json_put(map, "half_width", json_real(s->half_width), err));
+    else if (c->relative_error > 0.0)
+        PH_TRY(ph_i_json_put(map, "relative_error", json_real(c->relative_error), err));
     else
         PH_TRY(ph_i_json_put(map, "relative_half_width",
                              json_real(s->relative_half_width), err));

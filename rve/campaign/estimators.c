@@ -36,69 +36,10 @@ typedef struct plan {
     int nmodels;
     const ph_model_samples *models;
     ph_i_chain chain;
+    ph_discretisation bias; /* with rule.total */
+    double doubt;           /* that much less it may be: at the pilots its half-width */
+    double pairs;           /* realisations of both grids that it takes */
 } plan;
-
-/* ---- allocation -------------------------------------------------------------------------- */
-
-/* Levels at their bounds stay there, the others share what variance is left. */
-static void share(int n, const double *V, const double *c, const double *bound, double v,
-                  double *out)
-{
-    bool bounded[PH_MAX_MODELS] = {false}, again = true;
-    while (again) {
-        double sum = 0, left = v;
-        again = false;
-        for (int l = 0; l < n; l++)
-            if (bounded[l])
-                left -= V[l] / bound[l];
-            else
-                sum += sqrt(V[l] * c[l]);
-        for (int l = 0; l < n; l++) {
-            if (!bounded[l]) out[l] = sqrt(V[l] / c[l]) * sum / left;
-            if (!bounded[l] && out[l] <= bound[l]) bounded[l] = again = true;
-            if (bounded[l]) out[l] = bound[l];
-        }
-    }
-}
-
-static void allocate(int n, const double *V, const double *c, const double *least,
-                     double v, double *out)
-{
-    double bound[PH_MAX_MODELS];
-    for (int l = 0; l < n; l++)
-        bound[l] = fmax(least[l], l ? bound[l - 1] : 0);
-    for (int round = 0; round <= n; round++) { /* each lifts one more level at least */
-        bool descends = false;
-        share(n, V, c, bound, v, out);
-        for (int l = 1; l < n; l++)
-            if (out[l] < out[l - 1]) {
-                bound[l] = out[l - 1];
-                descends = true;
-            }
-        if (!descends) return;
-    }
-    for (int l = 1; l < n; l++)
-        out[l] = fmax(out[l], out[l - 1]);
-}
-
-ph_status ph_estimation_allocate(int n, const double *variance, const double *cost,
-                                 const double *least, double v, double *out,
-                                 ph_error *err)
-{
-    ph_status st = PH_OK;
-    PH_CHECK(n >= 1 && n <= PH_MAX_MODELS && variance && cost && least && out, PH_EINVAL,
-             "an estimate has 1 to %d levels, got %d", PH_MAX_MODELS, n);
-    PH_CHECK(v > 0 && isfinite(v), PH_EINVAL, "the variance must be > 0, got %g", v);
-    for (int l = 0; l < n; l++)
-        PH_CHECK(variance[l] >= 0 && isfinite(variance[l]) && cost[l] > 0 &&
-                     isfinite(cost[l]) && least[l] >= 1 && isfinite(least[l]),
-                 PH_EINVAL,
-                 "level %d: variance %g, cost %g, at least %g: must be >= 0, > 0, >= 1",
-                 l, variance[l], cost[l], least[l]);
-    allocate(n, variance, cost, least, v, out);
-out:
-    return st;
-}
 
 /* ---- one decision ------------------------------------------------------------------------ */
 
@@ -110,9 +51,26 @@ static double cost_of(const plan *p, const double *n)
     return cost;
 }
 
-static double wanted_half(const plan *p, const ph_mean_estimate *e)
+/* What is asked for: of the interval, or of all errors together. */
+static double asked_for(const plan *p, const ph_mean_estimate *e)
 {
     return p->rule.half_width * (p->rule.relative ? fabs(e->mean) : 1);
+}
+
+static double total_error(const plan *p, const ph_mean_estimate *e)
+{
+    return fabs(p->bias.estimate) + p->bias.half_width + e->half_width;
+}
+
+/* Both grids get the pairs, and no model of the chain fewer than the one before. */
+static void add_pairs(const plan *p, const ph_i_chain *c, double *n)
+{
+    const ph_grid_pair *g = &p->rule.grid;
+    if (!p->rule.total) return;
+    n[g->fine] = fmax(n[g->fine], p->pairs);
+    n[g->coarse] = fmax(n[g->coarse], p->pairs);
+    for (int l = 1; l < c->n; l++)
+        n[c->model[l]] = fmax(n[c->model[l]], n[c->model[l - 1]]);
 }
 
 /* Real numbers n of the models for half-width h, where no number may fall below `have` and the
@@ -135,7 +93,7 @@ static void numbers(const plan *p, const ph_i_chain *c, const ph_mean_estimate *
     double together = sum > 0 ? e->standard_error * e->standard_error / sum : 1;
     for (int round = 0; round < 8; round++) {
         double t = h / ph_i_student(p->rule.confidence, dof), squares = 0;
-        allocate(c->n, V, cost, least, t * t / together, out);
+        ph_i_allocate(c->n, V, cost, least, t * t / together, out);
         sum = 0;
         for (int l = 0; l < c->n; l++) {
             double part = V[l] / out[l];
@@ -146,6 +104,32 @@ static void numbers(const plan *p, const ph_i_chain *c, const ph_mean_estimate *
     }
     for (int l = 0; l < c->n; l++)
         n[c->model[l]] = out[l];
+    add_pairs(p, c, n);
+}
+
+/* Half-width for the mean. Of all errors together: what |bias| leaves is parted between the
+ * half-widths of bias and mean where it costs least; not > 0: nothing is left. Pilots have
+ * seen |bias| badly, and what is left enters the numbers squared: they take its lower end. */
+static double aim(plan *p, const ph_i_chain *c, const ph_mean_estimate *e,
+                  const ptrdiff_t *have, double asked)
+{
+    enum { PARTS = 64 };
+    const ph_discretisation *b = &p->bias;
+    double left = asked - fmax(fabs(b->estimate) - p->doubt, 0), best = INFINITY;
+    double n[PH_MAX_MODELS], h = 0, pairs = 0;
+    if (!p->rule.total || !(left > 0)) return p->rule.total ? left : asked;
+    ptrdiff_t both = ph_i_pairs(&p->rule.grid, have);
+    for (int i = 1; i < PARTS; i++) {
+        double share = left * i / PARTS, ratio = b->half_width / share;
+        p->pairs = (double)both * ratio * ratio;
+        numbers(p, c, e, have, left - share, n);
+        if (!(cost_of(p, n) < best)) continue;
+        best = cost_of(p, n);
+        pairs = p->pairs;
+        h = left - share;
+    }
+    p->pairs = pairs;
+    return h;
 }
 
 /* The smallest half-width whose numbers cost no more than the budget. */
@@ -181,18 +165,19 @@ static void subset(const plan *p, unsigned bits, bool fits, const ptrdiff_t *hav
 static bool may_use(const plan *p, const ph_i_chain *c)
 {
     const ph_estimator *m = p->method < 0 ? NULL : &ph_estimators[p->method];
-    if (c->n == 1) return true;
+    if (c->n == 1 || p->method == PLAIN) return c->n == 1;
     if (m && m->fits != c->fits) return false;
     return c->fits || p->models[c->model[c->n - 1]].dimension == 1;
 }
 
 /* What a chain would cost in all: to the half-width, or (budget) the error it would have. */
-static bool merit(const plan *p, const ph_i_chain *c, const ptrdiff_t *have, double *out)
+static bool merit(plan *p, const ph_i_chain *c, const ptrdiff_t *have, double *out)
 {
     ph_mean_estimate e;
     double n[PH_MAX_MODELS], v = 0;
     if (!may_use(p, c) || ph_i_chain_sum(c, p->models, &e, NULL)) return false;
-    double h = wanted_half(p, &e);
+    double h = aim(p, c, &e, have, asked_for(p, &e));
+    if (p->rule.total && !(h > 0)) return false;
     if (h > 0) {
         numbers(p, c, &e, have, h, n);
         *out = cost_of(p, n);
@@ -216,7 +201,7 @@ static ph_status choose(plan *p, const ptrdiff_t *have, ph_estimation *out, ph_e
     merit(p, &p->chain, have, &plain);
     best = worth * plain;
     out->method = PLAIN;
-    for (int fits = 1; fits >= 0; fits--)
+    for (int fits = 1; fits >= 0 && isfinite(plain); fits--)
         for (unsigned bits = 1; bits < 1u << (p->nmodels - 1); bits++) {
             double m;
             subset(p, bits, fits, have, &c);
@@ -227,6 +212,10 @@ static ph_status choose(plan *p, const ptrdiff_t *have, ph_estimation *out, ph_e
         }
     if (p->nmodels == 1)
         snprintf(out->reason, sizeof out->reason, "plain: there is no other model");
+    else if (p->method == PLAIN)
+        snprintf(out->reason, sizeof out->reason, "plain, as asked for");
+    else if (out->method == PLAIN && !isfinite(plain))
+        snprintf(out->reason, sizeof out->reason, "plain");
     else if (out->method == PLAIN)
         snprintf(out->reason, sizeof out->reason,
                  "plain: by the pilots no cheaper model helps (correlate too little with "
@@ -247,12 +236,16 @@ static void pilots(const plan *p, ptrdiff_t *want)
     memset(want, 0, PH_MAX_MODELS * sizeof *want);
     if (last == 1 && d > 1) first = fmax(first, fit);
     want[0] = (ptrdiff_t)first;
-    if (p->method == PLAIN) return;
     for (int i = 1; i <= last; i++) {
+        bool grids =
+            p->rule.total && (i == p->rule.grid.fine || i == p->rule.grid.coarse);
+        if (p->method == PLAIN && !grids) continue;
         double ratio = p->models[0].cost / (4 * p->models[i].cost);
         double n = ceil(first * fmin(fmax(ratio, 1), 8));
         if (d > 1) n = fmax(n, fit);
-        want[i] = (ptrdiff_t)fmax(n, (double)want[i - 1]);
+        for (int j = 0; j < i; j++)
+            n = fmax(n, (double)want[j]);
+        want[i] = (ptrdiff_t)n;
     }
 }
 
@@ -286,8 +279,7 @@ static void raise_numbers(const plan *p, const ph_mean_estimate *e, double h, do
     within_budget(p, &p->chain, e, want, h, n);
     for (int i = 0; i < p->nmodels; i++)
         have[i] = (double)want[i];
-    for (int l = p->chain.n - 1; l >= 0; l--) {
-        int i = p->chain.model[l];
+    for (int i = p->nmodels - 1; i >= 0; i--) {
         double whole = h > 0 ? ceil(part * n[i] - 1e-9) : floor(part * n[i] + 1e-9);
         double cost = cost_of(p, have) + (whole - have[i]) * p->models[i].cost;
         if (budget > 0 && cost > budget * (1 + 1e-12))
@@ -320,13 +312,79 @@ out:
     return st;
 }
 
-static void finish(double h, ph_estimation *out)
+/* The scatter of the bias is that of the pairs decided, like that of the mean. */
+static ph_status look_at_bias(plan *p, ph_estimation *out, ph_error *err)
 {
-    size_t used = strlen(out->reason);
+    ph_status st = PH_OK;
+    const ph_grid_pair *g = &p->rule.grid;
+    if (!p->rule.total) goto out;
+    PH_TRY(ph_estimation_bias(g, p->rule.confidence, p->nmodels, p->models,
+                              ph_i_pairs(g, out->decided), ph_i_pairs(g, out->want),
+                              &p->bias, err));
+    out->bias = p->bias;
+    p->doubt = out->stage < 2 ? p->bias.half_width : 0;
+out:
+    return st;
+}
+
+static void finish(const plan *p, double h, ph_estimation *out)
+{
+    size_t used = strlen(out->reason), size = sizeof out->reason - used;
+    char *end = out->reason + used;
+    double asked = asked_for(p, &out->estimate), error = total_error(p, &out->estimate);
     out->done = true;
-    out->reached = h > 0 && out->estimate.half_width <= h * (1 + 1e-9);
-    snprintf(out->reason + used, sizeof out->reason - used, "; %s",
-             out->reached ? "the half-width is reached" : "the budget is spent");
+    out->reached = p->rule.total ? error <= asked * (1 + 1e-9)
+                                 : h > 0 && out->estimate.half_width <= h * (1 + 1e-9);
+    if (p->rule.total && !out->reached && 2 * fabs(p->bias.estimate) > asked)
+        out->finer = 2 * fabs(p->bias.estimate) / asked;
+    if (out->reached)
+        snprintf(end, size, "; the %s is reached",
+                 p->rule.total ? "total error" : "half-width");
+    else if (p->rule.total && !(asked > fabs(p->bias.estimate)))
+        snprintf(
+            end, size,
+            "; the grid alone is off by about %.3g +- %.2g, of %.3g asked for in all: "
+            "spacings %.3g times finer would leave half of that to sampling",
+            p->bias.estimate, p->bias.half_width, asked, out->finer);
+    else
+        snprintf(end, size, "; the budget is spent");
+    if (out->finer > 0 && asked > fabs(p->bias.estimate)) {
+        used = strlen(out->reason);
+        snprintf(out->reason + used, sizeof out->reason - used,
+                 " (the grid is off by about %.3g of %.3g asked for in all)",
+                 p->bias.estimate, asked);
+    }
+}
+
+/* What the last look leaves to be computed, where it is not yet enough. */
+static bool is_missing(const plan *p, double h, const ph_mean_estimate *e)
+{
+    if (p->rule.total) return total_error(p, e) > asked_for(p, e);
+    return h > 0 && e->half_width > h;
+}
+
+/* The plan takes coefficients (and the bias) as known: what is missing. False: wait. */
+static ph_status complete(plan *p, double h, ph_estimation *out, bool *wait,
+                          ph_error *err)
+{
+    ph_status st = PH_OK;
+    for (int round = 0; is_missing(p, h, &out->estimate); round++) {
+        ptrdiff_t before[PH_MAX_MODELS];
+        double factor = pow(0.99, round), less = h * factor;
+        if (p->rule.total)
+            less = aim(p, &p->chain, &out->estimate, out->want,
+                       factor * asked_for(p, &out->estimate));
+        if (!(less > 0) || factor < 0.5) break; /* the grid, or the budget, forbids */
+        memcpy(before, out->want, sizeof before);
+        raise_numbers(p, &out->estimate, less, 1, out->want);
+        if (memcmp(before, out->want, sizeof before) == 0) continue;
+        *wait = !have_all(p, out->want);
+        if (*wait) break;
+        PH_TRY(estimate(p, out, &out->estimate, err));
+        PH_TRY(look_at_bias(p, out, err));
+    }
+out:
+    return st;
 }
 
 /* Pilots, then half of what they ask for, then what these ask for: [Stein1945] with the
@@ -336,8 +394,10 @@ static ph_status stages(plan *p, ph_estimation *out, ph_error *err)
 {
     ph_status st = PH_OK;
     double h = 0;
+    bool wait = false;
     if (!have_all(p, out->want)) goto out;
     memcpy(out->decided, out->want, sizeof out->want);
+    PH_TRY(look_at_bias(p, out, err));
     PH_TRY(choose(p, out->want, out, err));
     out->nlevels = p->chain.n;
     memcpy(out->model, p->chain.model, sizeof out->model);
@@ -345,24 +405,14 @@ static ph_status stages(plan *p, ph_estimation *out, ph_error *err)
         if (!have_all(p, out->want)) goto out;
         if (out->stage < 3) memcpy(out->decided, out->want, sizeof out->want);
         PH_TRY(estimate(p, out, &out->estimate, err));
+        PH_TRY(look_at_bias(p, out, err));
         if (out->stage == 3) break;
-        h = wanted_half(p, &out->estimate);
+        h = aim(p, &p->chain, &out->estimate, out->want, asked_for(p, &out->estimate));
+        if (p->rule.total && !(h > 0)) break; /* nothing is left for sampling */
         raise_numbers(p, &out->estimate, h, out->stage == 1 ? 0.5 : 1, out->want);
     }
-    /* The plan takes the coefficients as known: what is missing. */
-    for (int round = 0; h > 0 && out->estimate.half_width > h; round++) {
-        ptrdiff_t before[PH_MAX_MODELS];
-        double less = h * pow(0.99, round);
-        memcpy(before, out->want, sizeof before);
-        raise_numbers(p, &out->estimate, less, 1, out->want);
-        if (memcmp(before, out->want, sizeof before) == 0) {
-            if (less < 0.5 * h) break; /* the budget forbids */
-            continue;
-        }
-        if (!have_all(p, out->want)) goto out;
-        PH_TRY(estimate(p, out, &out->estimate, err));
-    }
-    finish(h, out);
+    PH_TRY(complete(p, h, out, &wait, err));
+    if (!wait) finish(p, h, out);
 out:
     return st;
 }
@@ -409,6 +459,11 @@ static ph_status read_rule(const ph_estimation_rule *rule, plan *p, ph_error *er
                  isfinite(r->budget) && (r->half_width > 0 || r->budget > 0),
              PH_EINVAL, "half-width %g and budget %g: one of them must be > 0",
              r->half_width, r->budget);
+    if (r->total)
+        PH_CHECK(r->half_width > 0 && ph_i_is_pair(&r->grid, p->nmodels), PH_EINVAL,
+                 "a total error takes half-width > 0 and two models that differ in their "
+                 "grid only, got %g, models %d and %d of %d, ratio %g",
+                 r->half_width, r->grid.fine, r->grid.coarse, p->nmodels, r->grid.ratio);
 out:
     return st;
 }

@@ -272,6 +272,7 @@ ph_status ph_i_levels_resolve(const ph_i_levels *levels, int point,
     PH_TRY(choose_outputs(c, point, err));
     if (levels->automatic) {
         PH_TRY(resolve_derived(&of_point, point, c, issues, err));
+        PH_TRY(ph_i_grids_find(c, point, err));
         goto out;
     }
     c->nmodels = 1 + levels->n;
@@ -285,6 +286,7 @@ ph_status ph_i_levels_resolve(const ph_i_levels *levels, int point,
         const overrides own = {(const char *const *)levels->set[m], levels->nsets[m]};
         PH_TRY(read_model(&of_point, &own, point, m, c, issues, err));
     }
+    PH_TRY(ph_i_grids_find(c, point, err));
 out:
     return st;
 }

@@ -53,7 +53,7 @@ static int find_output(ph_i_reader *r, const ph_i_node *name, const ph_campaign 
 static void read_until(ph_i_reader *r, const ph_i_node *map, ph_campaign *c)
 {
     static const char *const keys[] = {"quantity", "relative_half_width", "half_width",
-                                       "confidence"};
+                                       "confidence", "relative_error"};
     static const char width[] = "must be a number > 0, the half width of the interval";
     ph_stopping *s = &c->stopping;
     if (!map || !ph_i_read_map(r, map, "must be a map with quantity and a half width"))
@@ -61,7 +61,7 @@ static void read_until(ph_i_reader *r, const ph_i_node *map, ph_campaign *c)
     ph_i_check_keys(r, map, (ph_i_names)PH_I_NAMES(keys), "until");
     const ph_i_node *name = ph_i_need(r, map, "quantity", "one of the outputs"),
                     *rel = ph_i_get(map, keys[1]), *abs = ph_i_get(map, keys[2]),
-                    *confidence = ph_i_get(map, keys[3]);
+                    *confidence = ph_i_get(map, keys[3]), *total = ph_i_get(map, keys[4]);
     if (name) c->judged = find_output(r, name, c);
     if (rel)
         ph_i_read_number(r, rel, 0, 1, "must lie between 0 and 1",
@@ -69,7 +69,12 @@ static void read_until(ph_i_reader *r, const ph_i_node *map, ph_campaign *c)
     if (abs) ph_i_read_positive(r, abs, width, &s->half_width);
     if (rel && abs)
         ph_i_complain(r, abs, PH_EINVAL, "relative_half_width is given too: one of them");
-    if (!rel && !abs) ph_i_missing(r, map, keys[1], "%s", width);
+    if (total)
+        ph_i_read_number(r, total, 0, 1, "must lie between 0 and 1", &c->relative_error);
+    if (total && (rel || abs))
+        ph_i_complain(r, total, PH_EINVAL, "%s is given too: one of them",
+                      rel ? keys[1] : keys[2]);
+    if (!rel && !abs && !total) ph_i_missing(r, map, keys[1], "%s", width);
     if (confidence)
         ph_i_read_number(r, confidence, 1e-6, 1 - 1e-9,
                          "must lie between 0 and 1 (1e-6 to 1 - 1e-9)", &s->confidence);

@@ -183,6 +183,18 @@ out:
     return st;
 }
 
+/* A total error needs what tells the error of the grid. */
+static void check_total(ph_i_reader *r, const ph_case_issues *issues,
+                        const ph_campaign *c, int point)
+{
+    for (size_t i = 0; i < issues->count; i++)
+        if (!issues->item[i].warning) return; /* that is enough */
+    const char *no = ph_campaign_no_grid(c, point, c->judged >= 0 ? c->judged : 0);
+    if (c->relative_error > 0 && no)
+        ph_i_complain_line(r, 0, "point %d: realisations.until.relative_error: %s", point,
+                           no);
+}
+
 static ph_status resolve(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep *sweep,
                          int point, const ph_i_levels *levels, set_list *sets,
                          ph_campaign *c, ph_error *err)
@@ -205,6 +217,7 @@ static ph_status resolve(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep
         PH_TRY(hash_point(c, point, err));
         PH_TRY(ph_i_levels_resolve(levels, point, (const char *const *)sets->item,
                                    sets->count, c, &issues, err));
+        check_total(r, &issues, c, point);
     }
     hand_on(r, root, &issues, c, point);
 out:

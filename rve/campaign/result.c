@@ -33,8 +33,8 @@ static void take_point(const ph_campaign *c, const ph_i_point_tally *t,
     s->complete = t->done;
     s->reached = is_reached(c, t);
     for (int k = 0; k < c->noutputs; k++)
-        s->output[k] =
-            (ph_campaign_mean){t->output[k].n, ph_sequence_interval(&t->output[k])};
+        s->output[k] = (ph_campaign_mean){
+            t->output[k].n, ph_sequence_interval(&t->output[k]), {NAN, NAN, NAN, NAN, 0}};
 }
 
 /* Means by the cheaper models; the deviation stays that of the case itself. */
@@ -44,8 +44,10 @@ static void take_estimation(const ph_i_tally *t, int point, ph_campaign_result *
     r->estimation[point] = t->estimation[point];
     s->estimation = &r->estimation[point];
     s->reached = s->complete && (s->estimation->reached || t->c->judged < 0);
-    for (int k = 0; k < t->c->noutputs; k++)
+    for (int k = 0; k < t->c->noutputs; k++) {
         ph_i_variance_mean(t, point, k, &s->output[k].mean);
+        s->output[k].bias = ph_i_variance_bias(t, point, k);
+    }
 }
 
 ph_status ph_i_result_make(ph_i_store *store, ph_campaign_result **out, ph_error *err)

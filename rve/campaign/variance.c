@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Points with cheaper models: what is kept of them, what comes next, what it comes to. */
 #include "campaign/campaign.h"
+#include "campaign/estimators.h"
 
 #include <math.h>
 #include <string.h>
@@ -98,6 +99,11 @@ static void decide(ph_i_tally *t, int point)
         rule.half_width = c->stopping.relative_half_width;
         rule.relative = true;
     }
+    rule.grid = c->point[point].grid;
+    if (c->relative_error > 0) {
+        rule.half_width = c->relative_error;
+        rule.relative = rule.total = true;
+    }
     ph_status got = ph_estimation_next(&rule, c->nmodels, models, e, &why);
     if (got == PH_EINVAL) { /* the pilots of all models cost more than at_most allows */
         rule.method = "plain";
@@ -166,4 +172,18 @@ bool ph_i_variance_mean(const ph_i_tally *t, int point, int k, ph_interval *out)
     out->standard_error = e.standard_error;
     out->half_width = e.half_width;
     return true;
+}
+
+ph_discretisation ph_i_variance_bias(const ph_i_tally *t, int point, int k)
+{
+    ph_model_samples models[PH_MAX_MODELS];
+    ph_discretisation out = {NAN, NAN, NAN, NAN, 0};
+    const ph_estimation *plan = &t->estimation[point];
+    const ph_grid_pair *grid = &t->c->point[point].grid;
+    if (ph_campaign_no_grid(t->c, point, k) || plan->method < 0) return out;
+    samples_of(t, point, k, models);
+    ph_status st = ph_estimation_bias(grid, t->c->stopping.confidence, t->c->nmodels,
+                                      models, ph_i_pairs(grid, plan->decided),
+                                      ph_i_pairs(grid, plan->want), &out, NULL);
+    return st == PH_OK ? out : (ph_discretisation){NAN, NAN, NAN, NAN, 0};
 }
