@@ -134,6 +134,15 @@ static void count_damage(const ph_run *r, ph_damage_step *s)
     s->mean_damage = sum / (double)ph_grid_cells(&r->result->grid);
 }
 
+/* E_n over that without cracks; 0 where there never was one (a plate between empty strips). */
+static double share_left(const ph_result *res, int axis)
+{
+    const ph_sym4 *before = &res->damage->pristine;
+    double E = ph_axial_modulus(before, axis);
+    if (!(E > 1e-10 * ph_sym4_norm(before))) return 0.0;
+    return ph_axial_modulus(&res->stiffness, axis) / E;
+}
+
 static void record(const ph_run *r, ph_damage_step *s)
 {
     const ph_result *res = r->result;
@@ -142,9 +151,7 @@ static void record(const ph_run *r, ph_damage_step *s)
     s->stiffness = res->stiffness;
     s->anisotropy = whole ? ph_anisotropy_index(&res->stiffness) : (double)NAN;
     for (int n = 0; n < axes; n++)
-        s->psi[n] = !whole ? (double)NAN
-                           : ph_axial_modulus(&res->stiffness, n) /
-                                 ph_axial_modulus(&res->damage->pristine, n);
+        s->psi[n] = whole ? share_left(res, n) : (double)NAN;
     for (int i = 0; i < res->nloads; i++) {
         s->iterations += res->iterations[i];
         s->residual = fmax(s->residual, res->residual[i]);
