@@ -240,7 +240,7 @@ static ph_status sort_columns(poles *p, int n, ph_error *err)
     for (int k = 0; k < L->count; k++)
         keys[k] = (key){L->rate[k], k};
     qsort(keys, (size_t)L->count, sizeof *keys, by_rate);
-    memcpy(a, L->a, sizeof *a * (size_t)L->count * (size_t)n);
+    if (L->count > 0) memcpy(a, L->a, sizeof *a * (size_t)L->count * (size_t)n);
     for (int k = 0; k < L->count; k++) {
         memcpy(L->a + (size_t)k * n, a + (size_t)keys[k].at * n, sizeof *a * (size_t)n);
         L->rate[k] = keys[k].rate;
@@ -299,7 +299,7 @@ static ph_status split_equilibrium(poles *p, ph_sym4 *rest, ph_error *err)
         for (int a = 0; a < p->ns; a++)
             for (int b = 0; b < p->ns; b++)
                 rest->m[a][b] += turned[(size_t)j * n + a] * turned[(size_t)j * n + b];
-    memcpy(p->F.a, turned, sizeof *turned * (size_t)rank * (size_t)n);
+    if (rank > 0) memcpy(p->F.a, turned, sizeof *turned * (size_t)rank * (size_t)n);
     p->F.count = rank;
 out:
     free(T);
