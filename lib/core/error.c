@@ -36,6 +36,8 @@ ph_status ph_error_set(ph_error *err, ph_status status, const char *file, int li
         err->status = status;
         err->file = file;
         err->line = line;
+        err->msg[0] = 0;
+        if (!fmt) return status;
         va_list ap;
         va_start(ap, fmt);
         vsnprintf(err->msg, sizeof err->msg, fmt, ap);
@@ -46,7 +48,7 @@ ph_status ph_error_set(ph_error *err, ph_status status, const char *file, int li
 
 void ph_error_prefix(ph_error *err, const char *fmt, ...)
 {
-    if (!err || err->status == PH_OK) return;
+    if (!err || err->status == PH_OK || !fmt) return;
     char old[sizeof err->msg];
     memcpy(old, err->msg, sizeof old);
     va_list ap;

@@ -22,6 +22,8 @@ ph_status ph_engineering_constants(const ph_sym4 *c, ph_engineering *out, ph_err
     ph_status st = PH_OK;
     const int axes = c->n == 3 ? 2 : 3;
     ph_sym4 s;
+    PH_CHECK(c->n == 3 || c->n == 6, PH_EINVAL, "the tensor has n = %d, not 3 or 6",
+             c->n);
     *out = no_constants();
     PH_TRY(ph_sym4_inverse(c, &s, err));
     for (int i = 0; i < axes; i++) {

@@ -270,6 +270,7 @@ ph_status ph_case_to_json(const ph_case *c, char **json, ph_error *err)
     ph_status st = PH_OK;
     json_t *map = NULL;
     *json = NULL;
+    PH_CHECK(c->materials && c->nmaterials > 0, PH_EINVAL, "the case has no materials");
     PH_TRY(ph_i_case_json(c, &map, err));
     PH_TRY(ph_i_json_dump(map, json, err));
 out:
