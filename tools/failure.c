@@ -32,7 +32,7 @@ static ph_status write_plot(const destination *to, const ph_case *c,
     ptrdiff_t n = 2 * p->nevents + 1;
     double *x = NULL, *step = NULL;
     x = calloc((size_t)(2 * n), sizeof *x);
-    step = calloc((size_t)(2 * p->nsteps), sizeof *step);
+    step = calloc(2 * (size_t)p->nsteps, sizeof *step);
     PH_CHECK(x && step, PH_ENOMEM, "no memory for the curve");
     for (ptrdiff_t i = 0; i < p->nevents; i++) {
         x[2 * i + 1] = x[2 * i + 2] = p->event[i].load;

@@ -120,7 +120,7 @@ ph_status ph_i_bond_functions_new(const ph_bond_classes *c,
 {
     ph_status st = PH_OK;
     ph_decay *phase = NULL;
-    size_t n = (size_t)(c->count * c->count);
+    size_t n = (size_t)c->count * (size_t)c->count;
     *out = (ph_bond_functions){0};
     PH_ALLOC(out->there, c->count, "bond classes");
     for (ptrdiff_t x = 0; x < c->cells; x++)
