@@ -99,3 +99,21 @@ ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err)
     *text = g.text;
     return PH_OK;
 }
+
+void ph_i_json_set(json_t *object, const char *key, json_t *value, bool *good)
+{
+    if (json_object_set_new(object, key, value) != 0) *good = false;
+}
+
+void ph_i_json_append(json_t *list, json_t *value, bool *good)
+{
+    if (json_array_append_new(list, value) != 0) *good = false;
+}
+
+json_t *ph_i_json_numbers(const double *x, ptrdiff_t n, bool *good)
+{
+    json_t *list = json_array();
+    for (ptrdiff_t i = 0; i < n; i++)
+        ph_i_json_append(list, json_real(x[i]), good);
+    return list;
+}

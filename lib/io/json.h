@@ -30,6 +30,12 @@ ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err);
 ph_status ph_i_result_document(const ph_result *result, const ph_case *c,
                                const char *command, json_t **document, ph_error *err);
 
+/* Building without a status: jansson takes NULL for "that failed" and hands it on; *good turns
+ * false where anything failed. All of them steal the value. */
+void ph_i_json_set(json_t *object, const char *key, json_t *value, bool *good);
+void ph_i_json_append(json_t *list, json_t *value, bool *good);
+json_t *ph_i_json_numbers(const double *x, ptrdiff_t n, bool *good);
+
 /** The resolved case (case_json.c). PH_EINVAL where it holds what JSON cannot. */
 ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err);
 /** `microstructure.fillers` (case_fillers_json.c); *good turns false where it fails. */

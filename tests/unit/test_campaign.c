@@ -1,34 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The engine, with realisations whose distribution is known. */
 #define _XOPEN_SOURCE 700 /* nftw */
-#include "check.h"
+#include "folder.h"
 
-#include <ftw.h>
 #include <perihom_campaign.h>
 #include <signal.h>
 #include <time.h>
-#include <unistd.h>
-
-static char folder[64];
-
-static int remove_one(const char *path, const struct stat *s, int flag, struct FTW *f)
-{
-    (void)s, (void)flag, (void)f;
-    return remove(path);
-}
-
-static int set_up(void **state)
-{
-    (void)state;
-    strcpy(folder, "/tmp/perihom-campaign-XXXXXX");
-    return mkdtemp(folder) ? 0 : 1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    return nftw(folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
-}
 
 /* A campaign of two points on a case that is never solved. */
 static ph_campaign *campaign(const char *realisations)

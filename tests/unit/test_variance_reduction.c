@@ -2,32 +2,9 @@
 /* Campaigns with cheaper models: what is read, what comes out, and that it is the same however
  * it was computed. */
 #define _XOPEN_SOURCE 700 /* nftw */
-#include "check.h"
+#include "folder.h"
 
-#include <ftw.h>
 #include <perihom_campaign.h>
-#include <unistd.h>
-
-static char folder[64];
-
-static int remove_one(const char *path, const struct stat *s, int flag, struct FTW *f)
-{
-    (void)s, (void)flag, (void)f;
-    return remove(path);
-}
-
-static int set_up(void **state)
-{
-    (void)state;
-    strcpy(folder, "/tmp/perihom-variance-XXXXXX");
-    return mkdtemp(folder) ? 0 : 1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    return nftw(folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
-}
 
 static ph_campaign *campaign(const char *reduction, const char *realisations)
 {
