@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "solid.h"
 
+#include "core/vec3.h"
 #include "polygon.h"
 
 #include <math.h>
@@ -48,16 +49,11 @@ void ph_i_solid_finish(ph_solid *s)
     }
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void local(const ph_solid *s, const double x[3], double y[3])
 {
     double p[3] = {x[0] - s->centre[0], x[1] - s->centre[1], x[2] - s->centre[2]};
     for (int i = 0; i < 3; i++)
-        y[i] = dot(s->frame[i], p);
+        y[i] = ph_i_dot3(s->frame[i], p);
 }
 
 /* Level of the round axes: (|y / half| - 1) times the shortest of them is below the distance
@@ -94,7 +90,7 @@ double ph_solid_level(const ph_solid *s, const double x[3], double normal[3])
     if (flat >= 0)
         for (int i = 0; i < 3; i++)
             g[i] = i == flat ? copysign(1, y[i]) : 0.0;
-    double norm = sqrt(dot(g, g));
+    double norm = sqrt(ph_i_dot3(g, g));
     if (norm == 0) { /* the very centre: any direction, say the shortest axis */
         int k = 0;
         for (int i = 1; i < 3; i++)
@@ -147,14 +143,6 @@ typedef struct conic {
         det; /* U cross V and its square, the determinant of the quadratic form */
 } conic;
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        c[i] = a[j] * b[k] - a[k] * b[j];
-    }
-}
-
 static conic conic_of(const ph_solid *s, int axis, double at)
 {
     conic q = {0};
@@ -165,20 +153,21 @@ static conic conic_of(const ph_solid *s, int axis, double at)
         q.m[i] = s->frame[i][axis] * at / s->half[i];
         q.any = true;
     }
-    cross(q.U, q.V, q.N);
-    q.det = dot(q.N, q.N);
+    ph_i_cross3(q.U, q.V, q.N);
+    q.det = ph_i_dot3(q.N, q.N);
     return q;
 }
 
 /* A cylinder cut along its axis: U and V are parallel and the conic is a strip. */
 static double strip_area(ph_polygon *p, const conic *q)
 {
-    double uu = dot(q->U, q->U), vv = dot(q->V, q->V), g = sqrt(uu + vv);
-    if (g == 0) return dot(q->m, q->m) <= 1 ? ph_i_polygon_area(p) : 0;
+    double uu = ph_i_dot3(q->U, q->U), vv = ph_i_dot3(q->V, q->V), g = sqrt(uu + vv);
+    if (g == 0) return ph_i_dot3(q->m, q->m) <= 1 ? ph_i_polygon_area(p) : 0;
     const double *w = uu > vv ? q->U : q->V;
-    double ww = dot(w, w),
-           e[2] = {dot(q->U, w) / ww, dot(q->V, w) / ww}; /* U = e0 w, .. */
-    double shift = dot(w, q->m) / ww, rest = shift * shift - (dot(q->m, q->m) - 1) / ww;
+    double ww = ph_i_dot3(w, w),
+           e[2] = {ph_i_dot3(q->U, w) / ww, ph_i_dot3(q->V, w) / ww}; /* U = e0 w, .. */
+    double shift = ph_i_dot3(w, q->m) / ww,
+           rest = shift * shift - (ph_i_dot3(q->m, q->m) - 1) / ww;
     if (rest <= 0) return 0;
     double back[2] = {-e[0], -e[1]};
     ph_i_polygon_clip(p, e, sqrt(rest) - shift);
@@ -190,14 +179,14 @@ static double strip_area(ph_polygon *p, const conic *q)
  * matrix. Cross products instead of the normal equations: no cancellation. */
 static double ellipse_area(ph_polygon *p, const conic *q)
 {
-    double mV[3], Um[3], off = dot(q->m, q->N);
-    cross(q->m, q->V, mV);
-    cross(q->U, q->m, Um);
-    double x0 = -dot(mV, q->N) / q->det, y0 = -dot(Um, q->N) / q->det;
+    double mV[3], Um[3], off = ph_i_dot3(q->m, q->N);
+    ph_i_cross3(q->m, q->V, mV);
+    ph_i_cross3(q->U, q->m, Um);
+    double x0 = -ph_i_dot3(mV, q->N) / q->det, y0 = -ph_i_dot3(Um, q->N) / q->det;
     double rho2 = 1 - off * off / q->det;
     if (rho2 <= 0) return 0;
-    double rho = sqrt(rho2), l11 = sqrt(dot(q->U, q->U)), l21 = dot(q->U, q->V) / l11,
-           l22 = sqrt(q->det) / l11;
+    double rho = sqrt(rho2), l11 = sqrt(ph_i_dot3(q->U, q->U)),
+           l21 = ph_i_dot3(q->U, q->V) / l11, l22 = sqrt(q->det) / l11;
     for (int i = 0; i < p->n; i++) {
         double x = p->x[i][0] - x0, y = p->x[i][1] - y0;
         p->x[i][0] = (l11 * x + l21 * y) / rho;
@@ -223,7 +212,7 @@ double ph_i_solid_section(const ph_solid *s, int axis, double at, const double l
     if (p.n < 3) return 0;
     conic q = conic_of(s, axis, t);
     if (!q.any) return ph_i_polygon_area(&p);
-    double trace = dot(q.U, q.U) + dot(q.V, q.V);
+    double trace = ph_i_dot3(q.U, q.U) + ph_i_dot3(q.V, q.V);
     return q.det <= 1e-24 * trace * trace ? strip_area(&p, &q) : ellipse_area(&p, &q);
 }
 

@@ -1,37 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "core/nnls.h"
 
+#include "core/dense.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-static double dot(ptrdiff_t n, const double *x, const double *y)
-{
-    double sum = 0;
-    for (ptrdiff_t i = 0; i < n; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
-void ph_i_qr_columns(ptrdiff_t m, int n, int columns, double *a)
-{
-    for (int k = 0; k < n && k < m; k++) {
-        double *v = a + k * m + k;
-        double length = sqrt(dot(m - k, v, v));
-        if (length == 0) continue;
-        double alpha = v[0] > 0 ? -length : length, head = v[0] - alpha;
-        /* the reflection is 1 - w w' / (length |head|) with w = (head, rest of v) */
-        double scale = 1 / (length * fabs(head));
-        v[0] = head;
-        for (int j = k + 1; j < columns; j++) {
-            double *c = a + j * m + k, f = scale * dot(m - k, v, c);
-            for (ptrdiff_t i = 0; i < m - k; i++)
-                c[i] -= f * v[i];
-        }
-        v[0] = alpha;
-        memset(v + 1, 0, (size_t)(m - k - 1) * sizeof *v);
-    }
-}
 
 void ph_i_back_substitute(ptrdiff_t m, int n, const double *a, const double *b, double *x)
 {
@@ -110,7 +84,7 @@ static double update_residual(problem *p)
     for (int k = 0; k < p->n; k++)
         for (int i = 0; p->x[k] != 0 && i < p->rows; i++)
             p->residual[i] -= p->r[(ptrdiff_t)k * p->rows + i] * p->x[k];
-    return dot(p->rows, p->residual, p->residual);
+    return ph_i_inner(p->rows, p->residual, p->residual);
 }
 
 /* The column along which the residual falls fastest, -1 if none. */
@@ -118,7 +92,7 @@ static int steepest(const problem *p, const bool *barred, double least)
 {
     int best = -1;
     for (int k = 0; k < p->n; k++) {
-        double w = dot(p->rows, p->r + (ptrdiff_t)k * p->rows, p->residual);
+        double w = ph_i_inner(p->rows, p->r + (ptrdiff_t)k * p->rows, p->residual);
         if (p->is_free[k] || barred[k] || w <= least) continue;
         least = w;
         best = k;
@@ -153,7 +127,7 @@ static bool step_towards(problem *p)
 static ph_status iterate(problem *p, bool *barred, ph_error *err)
 {
     ph_status st = PH_OK;
-    const double least = 4 * DBL_EPSILON * sqrt(dot(p->rows, p->b, p->b));
+    const double least = 4 * DBL_EPSILON * sqrt(ph_i_inner(p->rows, p->b, p->b));
     (void)update_residual(p);
     for (int step = 0;; step++) {
         int k = steepest(p, barred, least);
@@ -188,7 +162,7 @@ ph_status ph_i_nnls(ptrdiff_t m, int n, double *a, double *x, double *rss, ph_er
     PH_ALLOC(barred, n, "least squares");
     PH_TRY(problem_new(n, rows, &p, err));
     for (int k = 0; k < n; k++) {
-        double *c = a + k * m, length = sqrt(dot(m, c, c));
+        double *c = a + k * m, length = sqrt(ph_i_inner(m, c, c));
         scale[k] = length > 0 ? 1 / length : 0;
         for (ptrdiff_t i = 0; i < m; i++)
             c[i] *= scale[k];

@@ -4,12 +4,6 @@
 
 #include "core/check.h"
 
-/** Householder QR in place: the first n of the columns of `a` become R (an upper triangle,
- *  zeros below), the others what the same reflections make of them: their first n rows are
- *  Q'b, the rows below what is orthogonal to the first n columns. Also for m < n.
- *  @param[in,out] a column k at a + k m, [columns][m] */
-void ph_i_qr_columns(ptrdiff_t m, int n, int columns, double *a);
-
 /** Solve R x = b with the n x n triangle that ph_i_qr_columns left; entries whose pivot is below
  *  1e-15 of the largest become zero. @param[in] b [n], e.g. the head of a later column */
 void ph_i_back_substitute(ptrdiff_t m, int n, const double *a, const double *b,

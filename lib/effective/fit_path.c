@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Times are sought one after the other: the best place for one more, then all of them move. */
+#include "core/dense.h"
 #include "core/nnls.h"
 #include "effective/fit_internal.h"
 

@@ -2,19 +2,11 @@
 /* Rows of the reduced model: K_q[i][j] = <e_i : X_q : e_j>, with the operator whose stiffness
  * is X_q where cells are of one phase, and layer by layer where they are not. (S) follows the
  * shape of one phase through the functions. */
+#include "core/dense.h"
 #include "effective/visco.h"
 
 #include <math.h>
 #include <string.h>
-
-static double dot(size_t n, const double *a, const double *b)
-{
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t i = 0; i < n; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
 
 static double trace(const ph_sym4 *c)
 {
@@ -85,7 +77,7 @@ ph_status ph_i_visco_macro_rows(ph_visco *v, ph_error *err)
             for (int b = 0; b <= a; b++) {
                 macro_layers(v, b);
                 ph_i_reduced_add(&v->model, q, a, b,
-                                 dot(ph_i_visco_hidden(v), v->x, v->y) / n);
+                                 ph_i_inner(ph_i_visco_hidden(v), v->x, v->y) / n);
             }
         }
     }
@@ -103,14 +95,14 @@ static void field_row(ph_visco *v, int q, int j, double *const load[6])
     double n = (double)r->setting.averaged, stress[6];
     ph_i_operator_apply(r->op, b->u, v->f);
     for (int a = 0; a < ns; a++) {
-        stress[a] = -dot(size, load[a], b->u) / n;
+        stress[a] = -ph_i_inner(size, load[a], b->u) / n;
         for (int c = 0; c < ns; c++)
             stress[a] += v->whole[36 * q + 6 * a + c] * b->macro[c];
         for (size_t i = 0; b->macro[a] != 0.0 && i < size; i++)
             v->f[i] -= b->macro[a] * load[a][i];
     }
     for (int i = 0; i <= j; i++) {
-        double sum = dot(size, v->basis[i].u, v->f) / n;
+        double sum = ph_i_inner(size, v->basis[i].u, v->f) / n;
         for (int a = 0; a < ns; a++)
             sum += v->basis[i].macro[a] * stress[a];
         ph_i_reduced_add(&v->model, q, row, ns + i, sum);
@@ -120,10 +112,11 @@ static void field_row(ph_visco *v, int q, int j, double *const load[6])
     if (v->layers.count == 0) return;
     layer_stress(v, q, b->x, v->y);
     for (int i = 0; i <= j; i++)
-        ph_i_reduced_add(&v->model, q, row, ns + i, dot(hidden, v->basis[i].x, v->y) / n);
+        ph_i_reduced_add(&v->model, q, row, ns + i,
+                         ph_i_inner(hidden, v->basis[i].x, v->y) / n);
     for (int a = 0; a < ns; a++) {
         macro_layers(v, a);
-        ph_i_reduced_add(&v->model, q, row, a, dot(hidden, v->x, v->y) / n);
+        ph_i_reduced_add(&v->model, q, row, a, ph_i_inner(hidden, v->x, v->y) / n);
     }
 }
 

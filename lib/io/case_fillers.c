@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* microstructure.fillers: populations of random fillers. */
+#include "core/vec3.h"
 #include "io/case_internal.h"
 
 #include <math.h>
@@ -270,13 +271,6 @@ static void read_curvature(ph_i_reader *r, const ph_i_node *node, int shape, ph_
     }
 }
 
-static void normalise(double v[3])
-{
-    double n = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int a = 0; a < 3; a++)
-        v[a] /= n;
-}
-
 /* {angle: degrees} in 2D, {axis: [...]}. */
 static void read_axis(ph_i_reader *r, const ph_i_node *map, ph_filler *f)
 {
@@ -301,7 +295,7 @@ static void read_axis(ph_i_reader *r, const ph_i_node *map, ph_filler *f)
             return;
         }
         memcpy(f->axis, v, sizeof v);
-        normalise(f->axis);
+        ph_i_normalise3(f->axis);
     }
 }
 

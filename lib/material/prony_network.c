@@ -16,6 +16,7 @@
  * accuracy although T spans many decades. */
 #include "material/prony_network.h"
 
+#include "core/dense.h"
 #include "core/jacobi.h"
 
 #include <float.h>
@@ -193,14 +194,6 @@ out:
     return st;
 }
 
-static double dot(int n, const double *x, const double *y)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
 static void turn(int n, double c, double s, double *x, double *y)
 {
     for (int i = 0; i < n; i++) {
@@ -214,7 +207,8 @@ static void turn(int n, double c, double s, double *x, double *y)
 static bool orthogonalise(ph_i_network *w, int j, int k)
 {
     double *x = &w->X[(size_t)j * w->rows], *y = &w->X[(size_t)k * w->rows];
-    double a = dot(w->rows, x, x), b = dot(w->rows, y, y), ab = dot(w->rows, x, y);
+    double a = ph_i_inner(w->rows, x, x), b = ph_i_inner(w->rows, y, y),
+           ab = ph_i_inner(w->rows, x, y);
     if (!(fabs(ab) > 4 * DBL_EPSILON * sqrt(a) * sqrt(b))) return false;
     double theta = (b - a) / (2 * ab);
     double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + hypot(theta, 1));
@@ -240,7 +234,7 @@ static ph_status rates(ph_i_network *w, ph_error *err)
              "the poles of a Prony series were not found in %d sweeps", SWEEPS);
     for (int k = 0; k < w->q; k++) {
         const double *x = &w->X[(size_t)k * w->rows];
-        w->rate[k] = dot(w->rows, x, x);
+        w->rate[k] = ph_i_inner(w->rows, x, x);
     }
     for (int i = 0; i < w->nd; i++)
         zeros += w->sigma[i] == 0;

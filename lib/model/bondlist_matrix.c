@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The matrix of a bond list, one column of nodes at a time: no sorting, no duplicates. */
+#include "core/vec3.h"
 #include "model/bondlist.h"
 
 #include <math.h>
@@ -69,17 +70,12 @@ typedef struct moments {
     double W, m[3], Kg[3]; /* sum w, sum w xi, sum w xi (xi . g_j) */
 } moments;
 
-static double dot3(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static moments moments_of(const ph_bondlist *l, const ph_bond_point *p, ptrdiff_t j)
 {
     moments s = {0};
     for (ptrdiff_t b = p->first; b < p[1].first; b++) {
         const ph_deviation *v = &l->deviation[b];
-        double along = dot3(v->xi, l->bond[j].g);
+        double along = ph_i_dot3(v->xi, l->bond[j].g);
         s.W += v->w;
         for (int d = 0; d < 3; d++) {
             s.m[d] += v->w * v->xi[d];
@@ -96,10 +92,10 @@ static double deviation_entry(const ph_bondlist *l, const moments *s, ptrdiff_t 
     const ph_deviation *vi = &l->deviation[i], *vj = &l->deviation[j];
     const double *gi = l->bond[i].g, *gj = l->bond[j].g;
     double sum = i == j ? vi->w : 0.0;
-    sum -=
-        vi->w * (vj->origin + dot3(gj, vi->xi)) + vj->w * (vi->origin + dot3(gi, vj->xi));
-    sum += s->W * vi->origin * vj->origin + vi->origin * dot3(gj, s->m) +
-           vj->origin * dot3(gi, s->m) + dot3(gi, s->Kg);
+    sum -= vi->w * (vj->origin + ph_i_dot3(gj, vi->xi)) +
+           vj->w * (vi->origin + ph_i_dot3(gi, vj->xi));
+    sum += s->W * vi->origin * vj->origin + vi->origin * ph_i_dot3(gj, s->m) +
+           vj->origin * ph_i_dot3(gi, s->m) + ph_i_dot3(gi, s->Kg);
     return l->s * sum;
 }
 

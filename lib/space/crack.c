@@ -3,6 +3,7 @@
 #include <perihom/crack.h>
 
 #include "core/check.h"
+#include "core/vec3.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,22 +16,10 @@ void ph_cracks_free(ph_cracks *c)
     memset(c, 0, sizeof *c);
 }
 
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double *a, const double *b, double *c)
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static double distance(const double *a, const double *b)
 {
     double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return sqrt(dot(d, d));
+    return sqrt(ph_i_dot3(d, d));
 }
 
 static bool finite3(const double *x)
@@ -98,11 +87,11 @@ static double vector_area(ptrdiff_t count, const double (*v)[3], double *normal)
             a[d] = v[i - 1][d] - v[0][d];
             b[d] = v[i][d] - v[0][d];
         }
-        cross(a, b, n);
+        ph_i_cross3(a, b, n);
         for (int d = 0; d < 3; d++)
             normal[d] += n[d];
     }
-    return sqrt(dot(normal, normal));
+    return sqrt(ph_i_dot3(normal, normal));
 }
 
 ph_status ph_cracks_add_polygon(ph_cracks *c, ptrdiff_t count, const double (*v)[3],
@@ -121,9 +110,9 @@ ph_status ph_cracks_add_polygon(ph_cracks *c, ptrdiff_t count, const double (*v)
     PH_CHECK(area > plane * size * size, PH_EINVAL, "a crack polygon has no area");
     for (ptrdiff_t i = 1; i < count; i++) {
         double d[3] = {v[i][0] - v[0][0], v[i][1] - v[0][1], v[i][2] - v[0][2]};
-        PH_CHECK(fabs(dot(d, n)) <= plane * area * size, PH_EINVAL,
+        PH_CHECK(fabs(ph_i_dot3(d, n)) <= plane * area * size, PH_EINVAL,
                  "a crack polygon is not plane: corner %td is %g out of it", i + 1,
-                 dot(d, n) / area);
+                 ph_i_dot3(d, n) / area);
     }
     st = add_vertices(c, PH_CRACK_POLYGON, count, v, err);
 out:
@@ -133,7 +122,7 @@ out:
 /* An orthonormal pair across n, the first along `axis` as far as it goes. */
 static bool span_plane(const double normal[3], const double *axis, double out[2][3])
 {
-    double n[3], size = sqrt(dot(normal, normal)), along[3] = {0, 0, 0};
+    double n[3], size = sqrt(ph_i_dot3(normal, normal)), along[3] = {0, 0, 0};
     if (!(size > 0.0) || !isfinite(size)) return false;
     int least = 0;
     for (int d = 0; d < 3; d++) {
@@ -142,14 +131,14 @@ static bool span_plane(const double normal[3], const double *axis, double out[2]
     }
     along[least] = 1.0;
     if (axis) memcpy(along, axis, sizeof along);
-    double whole = sqrt(dot(along, along)), part = dot(along, n);
+    double whole = sqrt(ph_i_dot3(along, along)), part = ph_i_dot3(along, n);
     for (int d = 0; d < 3; d++)
         along[d] -= part * n[d];
-    double left = sqrt(dot(along, along));
+    double left = sqrt(ph_i_dot3(along, along));
     if (!(left > 1e-6 * whole) || !isfinite(left)) return false;
     for (int d = 0; d < 3; d++)
         out[0][d] = along[d] / left;
-    cross(n, out[0], out[1]);
+    ph_i_cross3(n, out[0], out[1]);
     return true;
 }
 
@@ -242,7 +231,7 @@ ph_status ph_cracks_add_grown(ph_cracks *to, const ph_cracks *from, ptrdiff_t wh
     double now = ph_crack_length(from, which);
     if (k->shape == PH_CRACK_ELLIPSE) {
         double n[3], semi[2];
-        cross(k->axis[0], k->axis[1], n);
+        ph_i_cross3(k->axis[0], k->axis[1], n);
         for (int i = 0; i < 2; i++)
             semi[i] = k->semi_axes[i] * length / now;
         return ph_cracks_add_ellipse(to, k->centre, n, k->axis[0], semi, err);

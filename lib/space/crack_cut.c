@@ -3,6 +3,7 @@
  * the crack's plane is a node, on which side of the bond is a tip. Points nearer to a plane
  * than `on` are on it and count as its positive side, so that the answer does not hang on
  * the last digit, and a bond, always walked the same way, is cut or whole. */
+#include "core/vec3.h"
 #include "space/broken.h"
 
 #include <math.h>
@@ -30,25 +31,6 @@ typedef struct cutter {
     double shift[3];        /* of the image */
 } cutter;
 
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double *a, const double *b, double *c)
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static void normalise(double *a)
-{
-    double size = sqrt(dot(a, a));
-    for (int d = 0; d < 3; d++)
-        a[d] /= size;
-}
-
 /* ---- pieces ------------------------------------------------------------------------------ */
 
 static void extend(piece *p, const double *x)
@@ -73,7 +55,7 @@ static piece line_piece(const ph_crack *k, const double *a, const double *b)
     memcpy(p.origin, a, sizeof p.origin);
     p.normal[0] = -(b[1] - a[1]); /* to the left */
     p.normal[1] = b[0] - a[0];
-    normalise(p.normal);
+    ph_i_normalise3(p.normal);
     extend(&p, a);
     extend(&p, b);
     return p;
@@ -84,7 +66,7 @@ static piece ellipse_piece(const ph_crack *k)
     piece p = new_piece(k);
     memcpy(p.origin, k->centre, sizeof p.origin);
     memcpy(p.axis, k->axis, sizeof p.axis);
-    cross(k->axis[0], k->axis[1], p.normal);
+    ph_i_cross3(k->axis[0], k->axis[1], p.normal);
     for (int d = 0; d < 3; d++) {
         double r =
             hypot(k->semi_axes[0] * k->axis[0][d], k->semi_axes[1] * k->axis[1][d]);
@@ -107,18 +89,18 @@ static piece polygon_piece(const ph_crack *k, const double (*v)[3])
             a[d] = v[i - 1][d] - v[0][d];
             b[d] = v[i][d] - v[0][d];
         }
-        cross(a, b, n);
+        ph_i_cross3(a, b, n);
         for (int d = 0; d < 3; d++)
             p.normal[d] += n[d];
     }
-    normalise(p.normal);
+    ph_i_normalise3(p.normal);
     for (int d = 0; d < 3; d++)
         p.axis[0][d] = v[1][d] - v[0][d];
-    double off = dot(p.axis[0], p.normal);
+    double off = ph_i_dot3(p.axis[0], p.normal);
     for (int d = 0; d < 3; d++)
         p.axis[0][d] -= off * p.normal[d];
-    normalise(p.axis[0]);
-    cross(p.normal, p.axis[0], p.axis[1]);
+    ph_i_normalise3(p.axis[0]);
+    ph_i_cross3(p.normal, p.axis[0], p.axis[1]);
     return p;
 }
 
@@ -128,7 +110,7 @@ static piece polygon_piece(const ph_crack *k, const double (*v)[3])
 static double height(const cutter *c, const piece *p, const double *x)
 {
     double d[3] = {x[0] - p->origin[0], x[1] - p->origin[1], x[2] - p->origin[2]};
-    double s = dot(d, p->normal);
+    double s = ph_i_dot3(d, p->normal);
     return fabs(s) <= c->tolerance ? 0.0 : s;
 }
 
@@ -152,8 +134,8 @@ static bool in_polygon(const piece *p, double u, double v)
                 da[d] = p->vertex[i][d] - p->origin[d];
                 db[d] = p->vertex[j][d] - p->origin[d];
             }
-            a[e] = dot(da, p->axis[e]);
-            b[e] = dot(db, p->axis[e]);
+            a[e] = ph_i_dot3(da, p->axis[e]);
+            b[e] = ph_i_dot3(db, p->axis[e]);
         }
         if ((a[1] > v) != (b[1] > v) &&
             u < (b[0] - a[0]) * (v - a[1]) / (b[1] - a[1]) + a[0])
@@ -168,7 +150,7 @@ static bool holds(const piece *p, const double *x, const double *xi, double t)
     double d[3];
     for (int a = 0; a < 3; a++)
         d[a] = x[a] + t * xi[a] - p->origin[a];
-    double u = dot(d, p->axis[0]), v = dot(d, p->axis[1]);
+    double u = ph_i_dot3(d, p->axis[0]), v = ph_i_dot3(d, p->axis[1]);
     if (p->crack->shape == PH_CRACK_POLYGON) return in_polygon(p, u, v);
     u /= p->crack->semi_axes[0];
     v /= p->crack->semi_axes[1];
@@ -297,7 +279,7 @@ static ph_status cutter_init(cutter *c, ph_error *err)
     PH_ALLOC(c->half, f->count, "bonds");
     for (ptrdiff_t b = 0; b < f->count; b++) {
         if (upwards(f->offset[b])) c->half[c->nhalf++] = b;
-        c->longest = fmax(c->longest, sqrt(dot(f->xi[b], f->xi[b])));
+        c->longest = fmax(c->longest, sqrt(ph_i_dot3(f->xi[b], f->xi[b])));
     }
     for (int d = 0; d < 3; d++)
         if (c->rve->n[d] > 1) least = fmin(least, c->rve->h[d]);
