@@ -25,12 +25,9 @@ typedef struct ph_scenario {
 typedef struct ph_evaluation {
     int n;
     double value[PH_MAX_OUTPUTS]; /* in the order of the outputs */
-    int iterations;               /* of all loads together */
-    int nloads;                   /* that were solved */
-    long applications;            /* of the operator */
+    ph_work work;
     ptrdiff_t nodes;
-    size_t peak_bytes; /* of the solver's own arrays */
-    double seconds;    /* wall clock, microstructure and solution */
+    double seconds; /* wall clock, microstructure and solution */
     double seconds_solve;
 } ph_evaluation;
 

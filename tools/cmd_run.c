@@ -98,6 +98,14 @@ static ph_status solve(run *r, ph_error *err)
     return st;
 }
 
+static void talk_work(const ph_work *w)
+{
+    talk("%ld loads, %ld iterations, %ld applications of the operator, %ld transforms; "
+         "%td nodes of collar, %zu history variables, %zu bond bits",
+         w->loads, w->iterations, w->applications, w->ffts, w->collar,
+         w->history_variables, w->bond_bits);
+}
+
 static ph_status stop_if_interrupted(ph_error *err)
 {
     ph_status st = PH_OK;
@@ -173,6 +181,8 @@ static ph_status run_case(run *r, ph_error *err)
     }
     PH_TRY(st);
     PH_TRY(stop_if_interrupted(err));
+    if (r->options->verbose)
+        talk_work(r->relaxation ? &r->relaxation->elastic->work : &r->result->work);
     PH_TRY(print_result(r, err));
     PH_TRY(write_files(r, err));
     if (!r->options->quiet) talk("result in %s/", r->dir);

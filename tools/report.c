@@ -151,7 +151,8 @@ static void put_solver(FILE *to, const ph_result *r)
     }
     fprintf(to, "cost        %s (solve %s), %s, %d thread%s\n",
             report_seconds(r->seconds, total), report_seconds(r->seconds_solve, solve),
-            report_bytes(r->peak_bytes, bytes), r->threads, r->threads == 1 ? "" : "s");
+            report_bytes(r->work.peak_bytes, bytes), r->threads,
+            r->threads == 1 ? "" : "s");
     for (int i = 0; i < r->nnotes; i++)
         fprintf(to, "note        %s\n", r->notes[i]);
 }

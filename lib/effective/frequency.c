@@ -213,6 +213,8 @@ static ph_status solve_load(sweep *s, int load, ph_complex_modulus *out, cplx C[
         for (int i = 0; i < 4; i++)
             v[i] = (ph_complex_vector){s->own[i], s->im[i]};
         PH_TRY(ph_i_cocg(&system, v[0], v[1], v[2], v[3], s->t, &rep, err));
+        r->work.loads++;
+        r->work.iterations += rep.iterations;
         ph_i_fft_cg_leave(s->state, s->own[0], s->t, s->u[0]);
         ph_i_fft_cg_leave(s->state, s->im[0], s->t, s->u[1]);
     } else {

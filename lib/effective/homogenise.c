@@ -112,12 +112,24 @@ void ph_result_free(ph_result **result)
     *result = NULL;
 }
 
+/* Cells mixed of one material differ by so much. */
+static const double round_off = 1e-14;
+
 bool ph_i_run_is_homogeneous(const ph_run *r)
 {
     const ph_stiffness_map *map = r->map;
+    const int n = map->ns * map->ns;
+    const double *first = map->c + (ptrdiff_t)map->index[0] * n;
+    double off = 0.0, size = 0.0;
     if (r->setting.source) return false;
-    for (ptrdiff_t x = 1; x < map->cells; x++)
-        if (map->index[x] != map->index[0]) return false;
+    for (int i = 0; i < n; i++)
+        size = fmax(size, fabs(first[i]));
+    for (ptrdiff_t x = 1; x < map->cells; x++) {
+        const double *c = map->c + (ptrdiff_t)map->index[x] * n;
+        for (int i = 0; c != first && i < n; i++)
+            off = fmax(off, fabs(c[i] - first[i]));
+        if (off > round_off * size) return false;
+    }
     return true;
 }
 
@@ -306,12 +318,31 @@ void ph_i_run_account(ph_run *r, double start, double solving)
     ph_result *res = r->result;
     res->seconds = ph_i_run_now() - start;
     res->seconds_solve = solving;
-    res->peak_bytes = r->meter.peak;
     res->threads = r->threads;
-    if (r->op) {
-        res->applications = r->op->applications;
-        res->ffts = ph_i_fft_count(r->op->fft);
-    }
+    res->work = r->work;
+    res->work.peak_bytes = r->meter.peak;
+    res->work.bond_bits = r->broken ? ph_i_broken_bits(r->broken) : 0;
+    if (!r->op) return;
+    res->work.applications = r->op->applications;
+    res->work.ffts = ph_i_fft_count(r->op->fft);
+    res->work.collar = r->op->layout.cells - ph_grid_cells(&res->grid);
+}
+
+static size_t larger(size_t a, size_t b)
+{
+    return a > b ? a : b;
+}
+
+void ph_i_work_add(ph_work *sum, const ph_work *more)
+{
+    sum->loads += more->loads;
+    sum->iterations += more->iterations;
+    sum->applications += more->applications;
+    sum->ffts += more->ffts;
+    if (more->collar > sum->collar) sum->collar = more->collar;
+    sum->history_variables = larger(sum->history_variables, more->history_variables);
+    sum->bond_bits = larger(sum->bond_bits, more->bond_bits);
+    sum->peak_bytes = larger(sum->peak_bytes, more->peak_bytes);
 }
 
 static ph_status answer(ph_run *r, double *solving, ph_error *err)

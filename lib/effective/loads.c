@@ -153,6 +153,15 @@ static ph_cg_report new_report(const ph_run *r, int number, int loads, bool gues
                           .guessed = guessed};
 }
 
+ph_status ph_i_run_iterate(ph_run *r, const double *load, double *u, ph_cg_report *report,
+                           ph_error *err)
+{
+    ph_status st = r->solver->solve(r->state, load, u, report, err);
+    r->work.loads++;
+    r->work.iterations += report->iterations;
+    return st;
+}
+
 /* r->load is made; r->u on return. */
 static ph_status solve_for(ph_run *r, bool by_stress, const double *guess,
                            ph_cg_report *report, ph_error *err)
@@ -160,7 +169,7 @@ static ph_status solve_for(ph_run *r, bool by_stress, const double *guess,
     size_t size = sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells);
     if (guess) memcpy(r->u, guess, size);
     if (!load_is_nothing(r, by_stress))
-        return r->solver->solve(r->state, r->load, r->u, report, err);
+        return ph_i_run_iterate(r, r->load, r->u, report, err);
     memset(r->u, 0, size);
     return PH_OK;
 }

@@ -34,6 +34,7 @@ typedef struct ph_run {
     ph_sym4 columns;  /* C or, by_stress, the compliance */
     double *kept[6], *residual, *product; /* of the second-order columns, or NULL */
     ph_sym4 second;                       /* u_a . r_b per averaged cell, a <= b */
+    ph_work work;                         /* counted so far, see ph_i_run_account */
     ph_result *result;
 } ph_run;
 
@@ -50,6 +51,8 @@ ph_status ph_i_run_relaxing(ph_run *run, ph_error *err);
 /** Time, memory and counts of a run that began at `start`, into its result. */
 double ph_i_run_now(void);
 void ph_i_run_account(ph_run *run, double start, double solving);
+/** Work of two solutions, one after the other. */
+void ph_i_work_add(ph_work *sum, const ph_work *more);
 /** Release everything but the result. */
 void ph_i_run_clear(ph_run *run);
 /** All cells hold the same stiffness and nothing around them is held or missing. */
@@ -70,6 +73,9 @@ ph_status ph_i_damage_step(ph_run *run, ph_damage_step *step, ph_error *err);
  *  largest. */
 void ph_i_drop_nothing(ph_sym4 *stiffness);
 
+/** The solver's solution for a load [nd][cells], counted. */
+ph_status ph_i_run_iterate(ph_run *run, const double *load, double *u,
+                           ph_cg_report *report, ph_error *err);
 /** Displacement of a macro strain [ns] Mandel into run->u, from a guess [nd][cells] or NULL.
  *  @param[out] report iterations and residual */
 ph_status ph_i_run_solve(ph_run *run, const double *macro, const double *guess,

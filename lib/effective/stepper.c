@@ -31,6 +31,7 @@ static ph_status new_block(ph_stepper *s, ph_error *err)
     ptrdiff_t nt = s->ntimes, n = s->unknowns, nj = jumps(s);
     s->size = (size_t)(2 + 18 + 6 * nt + n + nt * n + n + nj + nt * nj);
     PH_DOUBLES(s->block, &s->run->meter, s->size, "what the medium remembers");
+    s->run->work.history_variables = (size_t)(nt * (6 + n + nj));
     double *next = s->block;
     s->time = next, next += 1;
     s->last_dt = next, next += 1;
@@ -416,7 +417,7 @@ static ph_status correct(ph_stepper *s, ph_error *err)
                            .ctx = r->ctx,
                            .load = 1,
                            .loads = 1};
-    PH_TRY(r->solver->solve(r->state, s->residual, s->work, &report, err));
+    PH_TRY(ph_i_run_iterate(r, s->residual, s->work, &report, err));
     s->solves++;
     s->iterations += report.iterations;
     for (ptrdiff_t x = 0; x < s->unknowns; x++)
@@ -574,7 +575,7 @@ static ph_status answer_bending(ph_stepper *s, ph_error *err)
         .tolerance = 0.1, .max_iterations = 100, .ctx = r->ctx, .load = 1, .loads = 1};
     memset(s->work, 0, sizeof(double) * (size_t)s->unknowns);
     if (norm(s, s->residual) <= s->tolerance * s->reference) return PH_OK;
-    st = r->solver->solve(r->state, s->residual, s->work, &report, err);
+    st = ph_i_run_iterate(r, s->residual, s->work, &report, err);
     if (st == PH_ENOCONV && err) *err = (ph_error)PH_ERROR_INIT;
     if (st == PH_ENOCONV) st = PH_OK;
     s->iterations += report.iterations;

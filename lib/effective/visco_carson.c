@@ -64,7 +64,8 @@ static ph_status solve_at(const ph_visco *v, const ph_problem *problem, double s
         *iterations += result->iterations[a];
     if (st != PH_OK) ph_error_prefix(err, "Carson variable %g: ", s);
     out->iterations += *iterations;
-    if (result) out->applications += result->applications;
+    if (result) out->applications += result->work.applications;
+    if (result && out->elastic) ph_i_work_add(&result->work, &out->elastic->work);
     ph_result_free(&out->elastic);
     out->elastic = result;
 out:

@@ -46,7 +46,7 @@ static void end(call *c)
 {
     if (c->run.result) {
         ph_i_run_account(&c->run, c->start, ph_i_run_now() - c->start);
-        c->out->applications = c->run.result->applications;
+        c->out->applications = c->run.result->work.applications;
         c->out->seconds = c->run.result->seconds;
         c->out->elastic = c->run.result;
         c->out->elastic->converged = true; /* a failure hands nothing out */

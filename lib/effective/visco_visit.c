@@ -138,7 +138,7 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
         .least = v->least,
         .energy_most = most};
     memcpy(v->f, v->r[a], sizeof *v->f * n);
-    st = r->solver->solve(r->state, v->f, v->d[a], &report, err);
+    st = ph_i_run_iterate(r, v->f, v->d[a], &report, err);
     v->out->iterations += report.iterations;
     if (v->out->npoints == 0) r->result->iterations[a] = report.iterations;
     now->left[a] = report.energy_left / cells;

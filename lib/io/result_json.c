@@ -435,6 +435,26 @@ out:
     return st;
 }
 
+static ph_status put_work(json_t *to, const ph_work *w, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const struct {
+        const char *name;
+        json_int_t value;
+    } count[] = {{"loads", w->loads},
+                 {"iterations", w->iterations},
+                 {"applications", w->applications},
+                 {"ffts", w->ffts},
+                 {"collar_nodes", w->collar},
+                 {"history_variables", (json_int_t)w->history_variables},
+                 {"bond_bits", (json_int_t)w->bond_bits},
+                 {"peak_bytes", (json_int_t)w->peak_bytes}};
+    for (size_t i = 0; i < sizeof count / sizeof *count; i++)
+        PH_TRY(ph_i_json_put(to, count[i].name, json_integer(count[i].value), err));
+out:
+    return st;
+}
+
 static ph_status put_worth_and_cost(draft_document *d, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -448,11 +468,8 @@ static ph_status put_worth_and_cost(draft_document *d, ph_error *err)
     PH_TRY(section(d->root, "cost", &cost, err));
     PH_TRY(put_real(d, cost, "cost", "seconds", r->seconds, err));
     PH_TRY(put_real(d, cost, "cost", "seconds_solve", r->seconds_solve, err));
-    PH_TRY(
-        ph_i_json_put(cost, "peak_bytes", json_integer((json_int_t)r->peak_bytes), err));
     PH_TRY(ph_i_json_put(cost, "threads", json_integer(r->threads), err));
-    PH_TRY(ph_i_json_put(cost, "applications", json_integer(r->applications), err));
-    PH_TRY(ph_i_json_put(cost, "ffts", json_integer(r->ffts), err));
+    PH_TRY(put_work(cost, &r->work, err));
 out:
     return st;
 }

@@ -107,6 +107,19 @@ typedef struct ph_bond_report {
     ph_sym4 virial, reactions;
 } ph_bond_report;
 
+/** What a solution did and what it held, counted. What a scene does not require is exactly
+ *  zero. Tested: tests/verify/test_work.c */
+typedef struct ph_work {
+    long loads;               /* loads that the equations were solved for */
+    long iterations;          /* of them together */
+    long applications;        /* of the operator */
+    long ffts;                /* scalar real transforms */
+    ptrdiff_t collar;         /* nodes that are solved for outside the RVE */
+    size_t history_variables; /* numbers that the material remembers from step to step */
+    size_t bond_bits;         /* bits that say which bonds are broken */
+    size_t peak_bytes;        /* of the solver's own arrays */
+} ph_work;
+
 /** What came out, what it cost and what it is worth. Owns its arrays. */
 typedef struct ph_result {
     ph_grid grid;
@@ -137,8 +150,6 @@ typedef struct ph_result {
     double stabilisation_energy; /* worst load: share of the total energy */
     /* why residuals and the four measures above are NaN; NULL: they were computed */
     const char *unchecked;
-    long applications; /* of the operator */
-    long ffts;         /* scalar real transforms */
 
     ph_bond_report bond;
     ph_damage *damage; /* with cracks; the stiffness above is that of the last step */
@@ -146,8 +157,8 @@ typedef struct ph_result {
     ph_failure_path
         *failure; /* with a loading; damage and stiffness are those of its steps */
 
+    ph_work work;
     double seconds, seconds_solve;
-    size_t peak_bytes; /* of the solver's own arrays */
     int threads;
 
     int nnotes;

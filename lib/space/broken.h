@@ -40,6 +40,11 @@ ptrdiff_t ph_i_broken_place(const ph_broken *broken, ptrdiff_t node);
 /** Sort the nodes, so that sums over them do not depend on the order in which bonds broke.
  *  To be called after the last of several ph_i_break. @return PH_OK; PH_ENOMEM */
 ph_status ph_i_broken_settle(ph_broken *broken, ph_error *err);
+/** Bits that are held: those of the nodes that have lost a bond. */
+static inline size_t ph_i_broken_bits(const ph_broken *broken)
+{
+    return 64 * (size_t)(broken->damaged * broken->words);
+}
 /** Forget which nodes are fresh. */
 void ph_i_broken_seen(ph_broken *broken);
 /** Damage of a node: the weight of its broken bonds over that of all, 0 .. 1. */

@@ -93,7 +93,7 @@ typedef struct ph_i_record {
     int iterations;
     /* not in the line: these differ from run to run */
     double seconds;
-    size_t bytes;
+    ph_work work;
 } ph_i_record;
 
 enum { PH_I_LINE = 64 * PH_MAX_OUTPUTS + 4096 };

@@ -166,7 +166,7 @@ bool ph_i_record_parse(const ph_campaign *c, const char *line, size_t length,
     r->status = PH_OK;
     r->message[0] = 0;
     r->seconds = 0.0;
-    r->bytes = 0;
+    r->work = (ph_work){0};
     return skip(at, ", \"failed\"") ? take_failure(line, length, r)
                                     : take_values(c, at, r);
 }

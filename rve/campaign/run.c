@@ -81,9 +81,9 @@ static ph_status work(void *user, const ph_i_task *task, ph_i_record *out)
                                                                &s, point, &v, &err)
                                          : ph_scenario_evaluate(&s, &ctx, &v, &err);
     memcpy(out->value, v.value, sizeof out->value);
-    out->iterations = v.iterations;
+    out->iterations = (int)v.work.iterations;
     out->seconds = v.seconds;
-    out->bytes = v.peak_bytes;
+    out->work = v.work;
     for (int k = 0; st == PH_OK && k < c->noutputs && !ph_i_is_fillers(c, task->point);
          k++)
         if (!isfinite(v.value[k]))
@@ -212,8 +212,9 @@ static ph_status take(engine *e, const ph_i_record *r, ph_error *err)
     e->now.failed += r->status != PH_OK && r->point < e->c->npoints;
     /* buffered, not synced: what is lost of it is not missed */
     if (e->costs)
-        fprintf(e->costs, "%d,%lld,%.6g,%zu\n", r->point, (long long)r->i, r->seconds,
-                r->bytes);
+        fprintf(e->costs, "%d,%lld,%.6g,%ld,%ld,%ld,%zu\n", r->point, (long long)r->i,
+                r->seconds, r->work.loads, r->work.applications, r->work.ffts,
+                r->work.peak_bytes);
 out:
     return st;
 }
@@ -341,7 +342,8 @@ static ph_status prepare(engine *e, ph_error *err)
     snprintf(path, sizeof path, "%s/costs.csv", e->store.folder);
     bool fresh = access(path, F_OK) != 0;
     e->costs = fopen(path, "a");
-    if (fresh && e->costs) fputs("point,i,seconds,bytes\n", e->costs);
+    if (fresh && e->costs)
+        fputs("point,i,seconds,loads,applications,ffts,bytes\n", e->costs);
 out:
     return st;
 }

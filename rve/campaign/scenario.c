@@ -70,11 +70,7 @@ out:
 
 static void account(const ph_result *r, ph_evaluation *e)
 {
-    for (int k = 0; k < r->nloads; k++)
-        e->iterations += r->iterations[k];
-    e->nloads = r->nloads;
-    e->applications = r->applications;
-    e->peak_bytes = r->peak_bytes;
+    e->work = r->work;
     e->seconds_solve = r->seconds_solve;
     e->nodes = ph_grid_cells(&r->grid);
 }

@@ -163,7 +163,7 @@ static void bench_solve(const char *name, int n, const char *model)
            "\"C11\": %.7g, \"C12\": %.7g, \"C_shear\": %.7g}\n",
            name, n, model, res->route, cpu, wall, iterations, res->nloads,
            1e9 * res->seconds_solve / iterations / (double)cells,
-           (double)res->peak_bytes / (double)cells, v[0], v[1], v[ns * ns - 1]);
+           (double)res->work.peak_bytes / (double)cells, v[0], v[1], v[ns * ns - 1]);
     ph_result_free(&res);
     scene_free(&s);
 }
@@ -193,8 +193,8 @@ static void bench_relax(const char *name, int n)
            "\"basis\": %d, \"basis_bytes_per_node\": %.4g, \"bytes_per_node\": %.4g, "
            "\"terms\": %d, \"error\": %.2g}\n",
            name, n, cpu, elastic, v->iterations, iterations, v->applications,
-           res->applications, v->npoints, v->basis, (double)v->basis_bytes / cells,
-           (double)v->elastic->peak_bytes / cells, v->series->nterms, v->error);
+           res->work.applications, v->npoints, v->basis, (double)v->basis_bytes / cells,
+           (double)v->elastic->work.peak_bytes / cells, v->series->nterms, v->error);
     ph_viscoelastic_free(&v);
     ph_result_free(&res);
     scene_free(&s);
@@ -230,7 +230,7 @@ static void bench_stepping(const char *name, int n)
            "\"bytes_per_node\": %.4g}\n",
            name, n, c, series->seconds, steps->steps, steps->iterations,
            steps->applications, series->applications, worst,
-           (double)steps->elastic->peak_bytes / cells);
+           (double)steps->elastic->work.peak_bytes / cells);
     ph_viscoelastic_free(&steps);
     ph_viscoelastic_free(&series);
     scene_free(&s);
@@ -300,8 +300,8 @@ static void bench_clay(int n)
            "\"cpu_direct\": %.4g, \"bytes_per_node_direct\": %.4g, "
            "\"direct_over_fft\": %.4g, \"difference\": %.2g}\n",
            n, res->route, res->iterations[0], res->iterations[1], cpu,
-           (double)res->peak_bytes / n / n, cpu_direct,
-           (double)direct->peak_bytes / n / n, cpu_direct / cpu,
+           (double)res->work.peak_bytes / n / n, cpu_direct,
+           (double)direct->work.peak_bytes / n / n, cpu_direct / cpu,
            difference / res->stiffness.m[0][0]);
     ph_result_free(&res);
     ph_result_free(&direct);

@@ -155,11 +155,11 @@ static inline ph_result *sample_result(const ph_microstructure *micro, ph_points
     r->converged = true;
     r->hill_mandel = 1e-9 / 3;
     r->stabilisation_energy = 3e-4 / 7;
-    r->applications = 101;
-    r->ffts = 1212;
+    r->work.applications = 101;
+    r->work.ffts = 1212;
     r->seconds = 0.4 / 3;
     r->seconds_solve = 0.3 / 7;
-    r->peak_bytes = 12345678;
+    r->work.peak_bytes = 12345678;
     r->threads = 2;
     r->nnotes = 1;
     snprintf(r->notes[0], sizeof r->notes[0], "chose \"nosb\"");

@@ -31,8 +31,8 @@ static ph_status known(void *user, const ph_scenario *s, int point, ph_evaluatio
     double z = ph_random_normal(&r), rest = ph_random_normal(&r);
     double t = s->c->solver.tolerance;
     out->n = s->noutputs;
-    out->iterations = t < 0.05 ? 300 : t < 0.3 ? 60 : 3;
-    out->iterations +=
+    out->work.iterations = t < 0.05 ? 300 : t < 0.3 ? 60 : 3;
+    out->work.iterations +=
         (int)(s->realisation * s->realisation) % 1009; /* only some count */
     out->value[0] = t < 0.05  ? (1 + point) * (1 + 0.1 * z + 0.01 * rest)
                     : t < 0.3 ? 7 + 0.2 * z
@@ -260,7 +260,7 @@ static ph_status on_grids(void *user, const ph_scenario *s, int point, ph_evalua
     double h = 300.0 / (double)s->c->nodes[0];
     bool loose = s->c->solver.tolerance > 0.05;
     out->n = s->noutputs;
-    out->iterations = loose ? 60 : 300;
+    out->work.iterations = loose ? 60 : 300;
     out->value[0] = (1 + point) * (1 + 0.03 * z + 0.005 * h * (1 + 0.1 * own));
     if (loose) out->value[0] += 0.02 + 0.002 * ph_random_normal(&r);
     out->value[1] = 2 + 0.01 * z - 0.1 * h;

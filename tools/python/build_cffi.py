@@ -77,11 +77,13 @@ typedef struct { const char *kind; int collar; ...; } ph_constraint_params;
 typedef struct { const ph_microstructure *micro; int interface; ph_model_params model;
                  ph_constraint_params constraint; ph_solver_params solver; unsigned loads; bool keep_fields; ...; } ph_problem;
 typedef struct { int load; double macro_strain[6]; int nu, ns; double *displacement, *strain, *stress; ...; } ph_fields;
+typedef struct { long loads, iterations, applications, ffts; ptrdiff_t collar; size_t history_variables, bond_bits,
+                 peak_bytes; } ph_work;
 typedef struct { ph_grid grid; ph_sym4 stiffness; unsigned loads; ph_sym4 voigt, reuss; bool reuss_is_zero;
                  int nmaterials; char (*names)[64]; double *fractions; const char *model, *constraint, *solver, *route;
                  double horizon; int nloads; int iterations[6]; double residual[6]; bool converged; double hill_mandel,
-                 strain_average, asymmetry, stabilisation_energy; long applications, ffts; double seconds,
-                 seconds_solve; size_t peak_bytes; int threads; int nnotes; char notes[...][256]; int nfields;
+                 strain_average, asymmetry, stabilisation_energy; ph_work work; double seconds,
+                 seconds_solve; int threads; int nnotes; char notes[...][256]; int nfields;
                  ph_fields *fields; ...; } ph_result;
 ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result **out, ph_error *err);
 void ph_result_free(ph_result **result);

@@ -377,8 +377,11 @@ class Result:
 
     @property
     def cost(self) -> dict:
-        return {"seconds": self._c.seconds, "seconds_solve": self._c.seconds_solve, "peak_bytes": self._c.peak_bytes,
-                "threads": self._c.threads, "applications": self._c.applications, "ffts": self._c.ffts}
+        w = self._c.work
+        return {"seconds": self._c.seconds, "seconds_solve": self._c.seconds_solve, "threads": self._c.threads,
+                "loads": w.loads, "iterations": w.iterations, "applications": w.applications, "ffts": w.ffts,
+                "collar_nodes": w.collar, "history_variables": w.history_variables, "bond_bits": w.bond_bits,
+                "peak_bytes": w.peak_bytes}
 
     @property
     def notes(self) -> list:
