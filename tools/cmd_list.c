@@ -4,6 +4,7 @@
 #include <jansson.h>
 
 #include <perihom_estimators.h>
+#include <perihom_trade.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,7 +38,7 @@ static const size_t nmaterials = 0; /* none are built in so far */
 static size_t gather(ph_catalogue all[MAX_CATALOGUES])
 {
     size_t n = 0;
-    for (const ph_catalogue *c = ph_catalogues(); c->name && n < MAX_CATALOGUES - 5; c++)
+    for (const ph_catalogue *c = ph_catalogues(); c->name && n < MAX_CATALOGUES - 6; c++)
         all[n++] = *c;
     all[n++] = (ph_catalogue){"shapes", "inclusions that a case can place", ph_shapes,
                               &ph_nshapes, sizeof *ph_shapes};
@@ -46,6 +47,8 @@ static size_t gather(ph_catalogue all[MAX_CATALOGUES])
                        ph_filler_shapes, &ph_nfiller_shapes, sizeof *ph_filler_shapes};
     all[n++] = (ph_catalogue){"estimators", "means over realisations", ph_estimators,
                               &ph_nestimators, sizeof *ph_estimators};
+    all[n++] = (ph_catalogue){"knobs", "what 'perihom trade' varies", ph_knobs,
+                              &ph_nknobs, sizeof *ph_knobs};
     all[n++] = *ph_card_formats();
     all[n++] = (ph_catalogue){"materials", "built-in material data", NULL, &nmaterials,
                               sizeof(ph_entry)};

@@ -18,6 +18,7 @@ const verb verbs[] = {
     {"compute", "fit", "Prony series of a modulus from measurements", cmd_fit},
     {"compute", "calibrate", "unknowns of a case from measurements", cmd_calibrate},
     {"compute", "campaign", "many realisations, sweeps; resumes", cmd_campaign},
+    {"compute", "trade", "what accuracy costs: settings, errors, cost", cmd_trade},
     {"microstructure", "generate", "only the microstructure: picture, voxels, statistics",
      cmd_generate},
     {"look", "view", "pictures of a result", cmd_view},

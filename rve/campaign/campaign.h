@@ -261,4 +261,10 @@ uint64_t ph_i_hash(uint64_t hash, const void *bytes, size_t n);
 /** Folder and a relative name; an absolute one stays. */
 void ph_i_path_in(const char *folder, const char *name, char *out, size_t size);
 
+/* ---- scenario.c */
+
+/** The result of a scenario's realisation. @param[out] out on failure: as ph_homogenise */
+ph_status ph_i_scenario_solve(const ph_scenario *s, const ph_ctx *ctx, ph_result **out,
+                              ph_error *err);
+
 #endif

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One realisation of a case: microstructure, loads, outputs. */
-#include "core/check.h"
+#include "campaign/campaign.h"
 
 #include <math.h>
-#include <perihom_campaign.h>
 #include <string.h>
 #include <time.h>
 
@@ -100,16 +99,12 @@ out:
     return st;
 }
 
-ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
-                               ph_evaluation *out, ph_error *err)
+ph_status ph_i_scenario_solve(const ph_scenario *s, const ph_ctx *ctx, ph_result **out,
+                              ph_error *err)
 {
     ph_status st = PH_OK;
-    double start = now();
     ph_microstructure *micro = NULL;
     ph_crack_plan *plan = NULL;
-    ph_result *result = NULL;
-    ph_evaluation e = {0};
-    PH_CHECK(out, PH_EINVAL, "NULL evaluation");
     PH_TRY(check_outputs(s, err));
     ph_case mine = *s->c; /* borrows the arrays of the case */
     mine.realisation = s->realisation;
@@ -128,7 +123,22 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
                           .loads = ph_scenario_loads(s)};
     /* No load: the bounds need none, and the result has the fractions. */
     if (problem.loads == 0) problem.constraint = (ph_constraint_params){.kind = "voigt"};
-    PH_TRY(solve(s, &problem, ctx, &result, err));
+    PH_TRY(solve(s, &problem, ctx, out, err));
+out:
+    ph_crack_plan_free(&plan);
+    ph_microstructure_free(&micro);
+    return st;
+}
+
+ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
+                               ph_evaluation *out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    double start = now();
+    ph_result *result = NULL;
+    ph_evaluation e = {0};
+    PH_CHECK(out, PH_EINVAL, "NULL evaluation");
+    PH_TRY(ph_i_scenario_solve(s, ctx, &result, err));
     e.n = s->noutputs;
     for (int i = 0; i < e.n; i++)
         PH_TRY(ph_quantity_value(&s->output[i], result, &e.value[i], err));
@@ -137,7 +147,5 @@ ph_status ph_scenario_evaluate(const ph_scenario *s, const ph_ctx *ctx,
     *out = e;
 out:
     ph_result_free(&result);
-    ph_crack_plan_free(&plan);
-    ph_microstructure_free(&micro);
     return st;
 }

@@ -9,6 +9,7 @@
 #include <perihom_calibrate.h>
 #include <perihom_campaign.h>
 #include <perihom_estimators.h>
+#include <perihom_trade.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
