@@ -64,14 +64,12 @@ static double cell_operations(const ph_result *r)
 double ph_trade_work(const ph_result *r)
 {
     if (!r) return 0;
-    double n = (double)ph_grid_cells(&r->grid), iterations = 0;
+    double n = (double)(ph_grid_cells(&r->grid) + r->work.collar);
     int nd = ph_displacements(r->grid.kinematics);
-    for (int k = 0; k < r->nloads; k++)
-        iterations += r->iterations[k];
     double transform = 2.5 * n * fmax(1, log2(n));
-    return (double)r->ffts * transform +
-           n * ((double)r->applications * cell_operations(r) +
-                iterations * (10.0 * nd + 4.0 * nd * nd));
+    return (double)r->work.ffts * transform +
+           n * ((double)r->work.applications * cell_operations(r) +
+                (double)r->work.iterations * (10.0 * nd + 4.0 * nd * nd));
 }
 
 /* ---- one row ---- */
@@ -86,11 +84,10 @@ static bool keep_going(void *user, const ph_progress *now)
 
 static void account(const ph_result *r, ph_trade_row *row)
 {
-    for (int k = 0; k < r->nloads; k++)
-        row->iterations += r->iterations[k];
-    row->applications += r->applications;
-    row->ffts += r->ffts;
-    if (r->peak_bytes > row->bytes) row->bytes = r->peak_bytes;
+    row->iterations += (int)r->work.iterations;
+    row->applications += r->work.applications;
+    row->ffts += r->work.ffts;
+    if (r->work.peak_bytes > row->bytes) row->bytes = r->work.peak_bytes;
     row->work += ph_trade_work(r);
     row->nodes = ph_grid_cells(&r->grid);
 }

@@ -326,10 +326,10 @@ static void test_work_follows_the_counters(void **state)
                    .grid = {.kinematics = PH_SPACE, .n = {8, 8, 8}},
                    .route = "cells"};
     CHECK(ph_trade_work(NULL) == 0 && ph_trade_work(&r) == 0);
-    r.ffts = 2;
+    r.work.ffts = 2;
     CHECK_REL(ph_trade_work(&r), 2 * 2.5 * 512 * 9, 1e-12);
-    r.ffts = 0;
-    r.applications = 1; /* 8 corners, 3 x 3 products twice; 6 x 6 */
+    r.work.ffts = 0;
+    r.work.applications = 1; /* 8 corners, 3 x 3 products twice; 6 x 6 */
     CHECK_REL(ph_trade_work(&r), 512 * (8 * 36 + 72), 1e-12);
     CHECK_END();
 }
