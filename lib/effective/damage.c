@@ -97,8 +97,7 @@ out:
     return st;
 }
 
-/* Node of the RVE at a node of the box, or -1. */
-static ptrdiff_t node_of_rve(const ph_run *r, ptrdiff_t node)
+ptrdiff_t ph_i_run_node_of_rve(const ph_run *r, ptrdiff_t node)
 {
     const ptrdiff_t *n = r->setting.box.n, *rve = r->result->grid.n;
     ptrdiff_t at[3] = {node / n[2] / n[1], node / n[2] % n[1], node % n[2]}, x = 0;
@@ -124,7 +123,7 @@ static void count_damage(const ph_run *r, ph_damage_step *s)
     double *field = r->result->damage->field, sum = 0.0;
     s->broken_bonds = br->pairs;
     for (ptrdiff_t i = 0; i < br->damaged; i++) {
-        ptrdiff_t x = node_of_rve(r, br->node[i]);
+        ptrdiff_t x = ph_i_run_node_of_rve(r, br->node[i]);
         if (x < 0) continue;
         field[x] = ph_i_broken_damage(br, i);
         sum += field[x];
@@ -158,11 +157,18 @@ static void record(const ph_run *r, ph_damage_step *s)
     }
 }
 
-ph_status ph_i_damage_step(ph_run *r, ph_damage_step *s, ph_error *err)
+ph_status ph_i_damage_step(ph_run *r, ph_damage_step *s, bool apart, ph_error *err)
 {
     ph_status st = PH_OK;
     count_damage(r, s);
-    PH_TRY(solve_step(r, err));
+    if (apart) {
+        r->result->stiffness = (ph_sym4){.n = r->map->ns};
+        r->result->loads = ph_i_run_all_loads(r->result);
+        r->result->nloads = 0;
+        r->result->converged = true;
+    } else {
+        PH_TRY(solve_step(r, err));
+    }
     record(r, s);
 out:
     return st;
@@ -183,7 +189,7 @@ static ph_status take_step(ph_run *r, int number, ph_error *err)
                    ? p->sequence->value[number]
                    : (double)NAN;
     s->density = ph_cracks_density(&cracks, &r->result->grid);
-    PH_TRY(ph_i_damage_step(r, s, err));
+    PH_TRY(ph_i_damage_step(r, s, false, err));
 out:
     ph_cracks_free(&cracks);
     return st;

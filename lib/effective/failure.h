@@ -14,8 +14,9 @@ enum { PH_STRENGTH_FORMS = 2 }; /* criteria by which a bond can break */
 typedef struct ph_strengths {
     const ph_broken *broken;      /* borrowed: nodes and bonds */
     int classes;                  /* 2 (materials + 1): 2 material + (in a filler) */
-    const int32_t *class, *owner; /* [cells] */
+    const int32_t *class, *owner; /* [cells] of the box */
     int32_t *own;                 /* what the two point to, where it is ours */
+    const ptrdiff_t *source;      /* cell of the RVE in a cell of the box, or NULL */
     double *amplitude[2];         /* [classes^2] whole, apart; INFINITY: does not break */
     uint8_t *criterion[2];        /* [classes^2] */
     double *shape[2];             /* [classes^2] Weibull shape, 0: none */

@@ -12,6 +12,7 @@
  * W- - W+ = 1/2 sum k e- e+ over the bonds that went: what was dissipated, known from the
  * bonds alone, where the mean stress and the stored energy are known from all others. */
 #include "effective/failure_scan.h"
+#include "effective/unit_load.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,16 +27,10 @@ typedef struct ph_walk {
     ph_failure_path *path;
     ph_strengths *strengths;
     ph_scan *scan;
-    double macro[6];             /* of the unit load, Mandel */
-    double *u;                   /* its displacement, [nd][cells] */
-    size_t n;                    /* doubles of u */
-    double stress[6];            /* mean, of the unit load, Mandel */
-    double by_stress, by_energy; /* stress : E of the unit load, and E : C : E */
-    double pristine;
-    int iterations;
-    double residual;
-    double load; /* controlled strain */
-    double last; /* load of the last event, by its size */
+    ph_unit_load unit;
+    double pristine; /* energy of the unit load at the beginning */
+    double load;     /* controlled strain */
+    double last;     /* load of the last event, by its size */
     ph_failure_energy events, controlled;
 } ph_walk;
 
@@ -52,15 +47,21 @@ static ph_status check_loading(const ph_run *r, ph_error *err)
     PH_CHECK(!q || q->kind == PH_SEQUENCE_NONE, PH_EINVAL,
              "a sequence of cracks and a loading are two: give one of both");
     PH_CHECK(
-        strcmp(r->constraint->info.name, "periodic") == 0, PH_EINVAL,
-        "a loading takes constraint periodic: with %s bonds of the frame would break",
-        r->constraint->info.name);
+        !r->classes || !r->setting.source, PH_EINVAL,
+        "a loading and model bond take the collar inside: with a frame around the RVE "
+        "its energies are not those of its bonds");
     for (int i = 0; i < ph_strains(r->result->grid.kinematics); i++) {
+        PH_CHECK(!(l->stress_free >> i & 1) || l->strain[i] == 0.0, PH_EINVAL,
+                 "strain %d of a loading is %g and found by zero stress: one of both",
+                 i + 1, l->strain[i]);
         PH_CHECK(isfinite(l->strain[i]), PH_EINVAL, "strain %d of a loading is %g", i + 1,
                  l->strain[i]);
         size += fabs(l->strain[i]);
     }
     PH_CHECK(size > 0.0, PH_EINVAL, "the strain of a loading is zero");
+    PH_CHECK(!(l->stress_free >> ph_strains(r->result->grid.kinematics)), PH_EINVAL,
+             "components %#x of a loading are free of stress, %d are there",
+             l->stress_free, ph_strains(r->result->grid.kinematics));
     PH_CHECK(l->ntargets > 0 && l->to && l->steps > 0, PH_EINVAL,
              "a loading has no target or no steps");
     for (int i = 0; i < l->ntargets; i++)
@@ -74,36 +75,12 @@ out:
     return st;
 }
 
-/* ---- the unit load ----------------------------------------------------------------------- */
-
-static ph_status solve_unit(ph_walk *w, const double *guess, ph_error *err)
-{
-    ph_status st = PH_OK;
-    ph_run *r = w->run;
-    double strain[6], cells = (double)r->setting.averaged;
-    ph_cg_report report;
-    ph_cell_energy e;
-    PH_TRY(ph_i_run_solve(r, w->macro, guess, &report, err));
-    memcpy(w->u, r->u, w->n * sizeof *w->u);
-    w->iterations = report.iterations;
-    w->residual = report.residual;
-    PH_TRY(ph_i_operator_sums(r->op, w->u, w->macro, NULL, w->stress, strain, &e, err));
-    w->by_stress = 0.0;
-    for (int i = 0; i < r->map->ns; i++) {
-        w->stress[i] /= cells;
-        w->by_stress += w->stress[i] * w->macro[i];
-    }
-    w->by_energy = (e.mean + e.modes + e.stabilisation) / cells;
-out:
-    return st;
-}
-
 /* ---- the two paths ----------------------------------------------------------------------- */
 
 static void note_peak(ph_walk *w)
 {
     ph_failure_path *p = w->path;
-    double stress = w->by_stress * w->load;
+    double stress = w->unit.work * w->load;
     if (fabs(stress) <= fabs(p->peak_stress)) return;
     p->peak_stress = stress;
     p->peak_load = w->load;
@@ -111,9 +88,9 @@ static void note_peak(ph_walk *w)
 
 static void move_controlled(ph_walk *w, double load)
 {
-    w->controlled.external += 0.5 * w->by_stress * (load * load - w->load * w->load);
+    w->controlled.external += 0.5 * w->unit.work * (load * load - w->load * w->load);
     w->load = load;
-    w->controlled.stored = 0.5 * w->by_energy * load * load;
+    w->controlled.stored = 0.5 * w->unit.energy * load * load;
     note_peak(w);
 }
 
@@ -147,8 +124,10 @@ static ph_status keep_bonds(ph_walk *w, ph_error *err)
     }
     for (ptrdiff_t i = 0; i < w->scan->npicked; i++) {
         const ph_picked *k = &w->scan->picked[i];
-        p->bond[p->nbonds++] = (ph_broken_bond){(int32_t)k->x, (int32_t)k->y,
-                                                (int32_t)k->b, (int32_t)p->nevents};
+        p->bond[p->nbonds++] =
+            (ph_broken_bond){(int32_t)ph_i_run_node_of_rve(w->run, k->x),
+                             (int32_t)ph_i_run_node_of_rve(w->run, k->y), (int32_t)k->b,
+                             (int32_t)p->nevents};
     }
 out:
     return st;
@@ -170,7 +149,7 @@ static void energies_of_picked(const ph_walk *w, double *fracture, double *gone)
         const ph_picked *k = &w->scan->picked[i];
         double half = 0.5 * stiffness_of(w, k) * k->pull / cells;
         *fracture += half * k->pull;
-        *gone += half * ph_i_scan_pull(w->scan, w->u, k->x, k->b, k->y);
+        *gone += half * ph_i_scan_pull(w->scan, w->unit.u, k->x, k->b, k->y);
     }
 }
 
@@ -181,24 +160,24 @@ static void account(ph_walk *w, double load, double before, double energy_before
     double fracture, gone, size = load * load;
     energies_of_picked(w, &fracture, &gone);
     if (!w->run->classes) { /* no springs: what the energies say */
-        gone = 0.5 * (energy_before - w->by_energy);
+        gone = 0.5 * (energy_before - w->unit.energy);
         fracture = NAN;
     }
     w->events.external += 0.5 * before * (size - w->last * w->last);
     w->last = load;
-    w->events.stored = 0.5 * w->by_energy * size;
+    w->events.stored = 0.5 * w->unit.energy * size;
     w->events.fracture += fracture * size;
     w->events.dissipated += gone * size;
     w->controlled.fracture = w->events.fracture;
     w->controlled.dissipated += gone * w->load * w->load;
-    w->controlled.stored = 0.5 * w->by_energy * w->load * w->load;
+    w->controlled.stored = 0.5 * w->unit.energy * w->load * w->load;
     *e = (ph_failure_event){.load = w->load < 0.0 ? -load : load,
                             .broken = w->run->broken->pairs,
                             .energy = w->events,
-                            .iterations = w->iterations,
-                            .residual = w->residual};
+                            .iterations = w->unit.iterations,
+                            .residual = w->unit.residual};
     e->before = before * e->load;
-    e->after = w->by_stress * e->load;
+    e->after = w->unit.work * e->load;
     double off = w->events.external - w->events.stored - w->events.dissipated;
     p->imbalance = fmax(p->imbalance, fabs(off));
     if (p->nevents == 1) p->first_load = e->load;
@@ -210,17 +189,18 @@ static ph_status take_event(ph_walk *w, double load, double sign, ph_error *err)
     ph_status st = PH_OK;
     ph_run *r = w->run;
     ph_failure_event *e = NULL;
-    double before = w->by_stress, energy = w->by_energy;
+    double before = w->unit.work, energy = w->unit.energy;
     if (load > sign * w->load) move_controlled(w, sign * load);
     PH_TRY(keep_bonds(w, err));
     for (ptrdiff_t i = 0; i < w->scan->npicked; i++)
         PH_TRY(ph_i_break(r->broken, w->scan->picked[i].x, w->scan->picked[i].b, err));
     PH_TRY(ph_i_broken_settle(r->broken, err));
     PH_TRY(ph_i_run_rebuild(r, err));
-    PH_TRY(solve_unit(w, w->u, err));
+    PH_TRY(ph_i_unit_load_solve(&w->unit, err));
     PH_TRY(new_event(w->path, &e, err));
     account(w, load, before, energy, e);
-    w->path->severed = w->by_energy <= nothing_left * w->pristine;
+    w->path->apart = w->unit.apart;
+    w->path->severed = w->unit.energy <= nothing_left * w->pristine;
 out:
     return st;
 }
@@ -232,10 +212,10 @@ static ph_status break_until(ph_walk *w, double load, ph_error *err)
     double sign = load < 0.0 ? -1.0 : 1.0, most = fabs(load);
     double window = w->path->window;
     while (!w->path->severed) {
-        double least = ph_i_scan_least(w->scan, w->u, sign);
+        double least = ph_i_scan_least(w->scan, w->unit.u, sign);
         if (!(least <= most)) break;
         double limit = w->loading->together ? most : least * (1.0 + window);
-        PH_TRY(ph_i_scan_pick(w->scan, w->u, sign, limit, err));
+        PH_TRY(ph_i_scan_pick(w->scan, w->unit.u, sign, limit, err));
         PH_TRY(take_event(w, w->loading->together ? most : least, sign, err));
     }
     move_controlled(w, load);
@@ -250,9 +230,12 @@ static void keep_step(ph_walk *w, int number)
     ph_failure_step *s = &w->path->step[number];
     int ns = w->run->map->ns;
     s->load = w->load;
-    for (int i = 0; i < ns; i++) /* Mandel to Voigt: shear stress */
-        s->stress[i] = w->stress[i] * w->load * (i < (ns == 3 ? 2 : 3) ? 1.0 : sqrt(0.5));
-    s->work = w->by_stress * w->load;
+    for (int i = 0; i < ns; i++) { /* Mandel to Voigt */
+        double shear = i < (ns == 3 ? 2 : 3) ? 1.0 : sqrt(0.5);
+        s->stress[i] = w->unit.stress[i] * w->load * shear;
+        s->strain[i] = w->unit.strain[i] * w->load / shear;
+    }
+    s->work = w->unit.work * w->load;
     s->broken = w->run->broken->pairs;
     s->events = w->path->nevents;
     s->energy = w->controlled;
@@ -284,7 +267,7 @@ static ph_status walk_steps(ph_walk *w, bool keep_fields, ph_error *err)
         w->run->keep_fields = keep_fields && i == last;
         d->step[done].value = w->load;
         d->step[done].density = density;
-        PH_TRY(ph_i_damage_step(w->run, &d->step[done++], err));
+        PH_TRY(ph_i_damage_step(w->run, &d->step[done++], w->path->apart, err));
     }
 out:
     return st;
@@ -303,15 +286,18 @@ static ph_status new_path(ph_walk *w, ph_error *err)
     p->window = l->window > 0.0 ? l->window : default_window;
     p->together = l->together;
     p->first_load = (double)NAN;
-    p->cells = r->op->layout.cells;
+    p->stress_free = l->stress_free;
+    p->cells = ph_grid_cells(&r->result->grid);
     p->nsteps = l->ntargets * l->steps + 1;
     PH_ALLOC(p->step, p->nsteps, "steps of a loading");
     PH_ALLOC(p->share, r->family->count, "weights of bonds");
     PH_ALLOC(p->initial, p->cells, "the damage of cracks");
     for (ptrdiff_t b = 0; b < r->family->count; b++)
         p->share[b] = r->family->w[b] / r->family->weight;
-    for (ptrdiff_t i = 0; i < r->broken->damaged; i++)
-        p->initial[r->broken->node[i]] = ph_i_broken_damage(r->broken, i);
+    for (ptrdiff_t i = 0; i < r->broken->damaged; i++) {
+        ptrdiff_t x = ph_i_run_node_of_rve(r, r->broken->node[i]);
+        if (x >= 0) p->initial[x] = ph_i_broken_damage(r->broken, i);
+    }
 out:
     return st;
 }
@@ -321,11 +307,8 @@ static ph_status start(ph_walk *w, ph_error *err)
     ph_status st = PH_OK;
     ph_run *r = w->run;
     const ph_problem *p = r->problem;
-    for (int i = 0; i < r->map->ns; i++)
-        w->macro[i] =
-            w->loading->strain[i] * (i < (r->map->ns == 3 ? 2 : 3) ? 1.0 : sqrt(0.5));
-    w->n = (size_t)(r->op->layout.nd * r->op->layout.cells);
-    PH_DOUBLES(w->u, &r->meter, w->n, "the displacement of the load");
+    PH_TRY(ph_i_unit_load_init(&w->unit, r, w->loading->strain, w->loading->stress_free,
+                               err));
     if (p->cracks && p->cracks->count > 0) {
         PH_TRY(ph_i_cracks_cut(p->cracks, &r->result->grid, r->setting.first, false,
                                r->broken, err));
@@ -336,9 +319,9 @@ static ph_status start(ph_walk *w, ph_error *err)
         ph_i_note(r->result, "failure: strengths from a fracture energy are those of "
                              "springs; model nosb dissipates less, see the manual");
     PH_TRY(ph_i_strengths_new(r, p->failure, &w->strengths, err));
-    PH_TRY(ph_i_scan_new(r, w->strengths, w->macro, &w->scan, err));
-    PH_TRY(solve_unit(w, NULL, err));
-    w->pristine = w->by_energy;
+    PH_TRY(ph_i_scan_new(r, w->strengths, w->unit.macro, &w->scan, err));
+    PH_TRY(ph_i_unit_load_solve(&w->unit, err));
+    w->pristine = w->unit.energy;
 out:
     return st;
 }
@@ -368,6 +351,6 @@ ph_status ph_i_run_failure(ph_run *r, ph_error *err)
 out:
     ph_i_scan_free(&w.scan);
     ph_i_strengths_free(&w.strengths);
-    ph_i_doubles_free(&r->meter, &w.u, w.n);
+    ph_i_unit_load_clear(&w.unit);
     return st;
 }

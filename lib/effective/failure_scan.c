@@ -97,20 +97,36 @@ double ph_i_scan_pull(const ph_scan *s, const double *u, ptrdiff_t x, ptrdiff_t 
     return sum;
 }
 
+/* Both ends are nodes of the RVE, which stands alone in its box. */
+static bool stays_inside(const ph_scan *s, const ptrdiff_t at[3], const int o[3])
+{
+    const ph_setting *set = &s->run->setting;
+    for (int d = 0; d < 3; d++) {
+        ptrdiff_t i = at[d] - set->first[d], n = s->run->result->grid.n[d];
+        if (i < 0 || i >= n || (n > 1 && (i + o[d] < 0 || i + o[d] >= n))) return false;
+    }
+    return true;
+}
+
+/* Cell that a bond leads to. */
 static ptrdiff_t end_of(const ph_scan *s, const ptrdiff_t at[3], ptrdiff_t b)
 {
     const int *o = s->strengths->broken->family->offset[b];
     const ptrdiff_t *n = s->strengths->broken->n;
+    if (s->run->setting.source && !stays_inside(s, at, o)) return -1;
     return (s->wrap[0][at[0] + o[0]] * n[1] + s->wrap[1][at[1] + o[1]]) * n[2] +
            s->wrap[2][at[2] + o[2]];
 }
 
-/* Load at which bond h of the half family breaks. */
+/* Load at which bond h of the half family breaks. What holds the RVE does not break: bonds
+ * that leave it, and those between two nodes that are held. */
 static double critical_load(const ph_scan *s, const double *u, double sign, ptrdiff_t x,
                             ptrdiff_t h, ptrdiff_t y)
 {
     ptrdiff_t b = s->half[h];
+    const uint8_t *held = s->run->setting.fixed;
     const double *xi = s->strengths->broken->family->xi[b];
+    if (y < 0 || (held && held[x] && held[y])) return INFINITY;
     double length2 = xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2];
     double critical = s->critical ? s->critical[x * s->nhalf + h]
                                   : ph_i_strength(s->strengths, x, b, y);

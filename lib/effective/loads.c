@@ -174,12 +174,15 @@ static ph_status solve_for(ph_run *r, bool by_stress, const double *guess,
     return PH_OK;
 }
 
-ph_status ph_i_run_solve(ph_run *r, const double *macro, const double *guess,
-                         ph_cg_report *report, ph_error *err)
+ph_status ph_i_run_solve(ph_run *r, const double *macro, bool by_stress,
+                         const double *guess, ph_cg_report *report, ph_error *err)
 {
     *report = new_report(r, 1, 1, guess != NULL);
-    ph_i_operator_load(r->op, macro, r->load);
-    return solve_for(r, false, guess, report, err);
+    if (by_stress)
+        ph_i_operator_pull(r->op, macro, r->setting.region, r->load);
+    else
+        ph_i_operator_load(r->op, macro, r->load);
+    return solve_for(r, by_stress, guess, report, err);
 }
 
 static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error *err)

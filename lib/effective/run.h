@@ -59,15 +59,18 @@ void ph_i_run_clear(ph_run *run);
 bool ph_i_run_is_homogeneous(const ph_run *run);
 unsigned ph_i_run_all_loads(const ph_result *result);
 
+/** Node of the RVE at a node of the box that is solved, or -1: it is outside. */
+ptrdiff_t ph_i_run_node_of_rve(const ph_run *run, ptrdiff_t node);
+
 /** Take in what has broken since the operator was built. */
 ph_status ph_i_run_rebuild(ph_run *run, ph_error *err);
 /** All steps of the cracks, the pristine cell first. */
 ph_status ph_i_run_damage(ph_run *run, ph_error *err);
 /** The parts of it: the pristine cell, and room for the steps; then the damage and the
- *  stiffness of the bonds that are broken now. */
+ *  stiffness of the bonds that are broken now; `apart`: there is none. */
 ph_status ph_i_damage_begin(ph_run *run, ph_sequence_kind kind, int nsteps,
                             ph_error *err);
-ph_status ph_i_damage_step(ph_run *run, ph_damage_step *step, ph_error *err);
+ph_status ph_i_damage_step(ph_run *run, ph_damage_step *step, bool apart, ph_error *err);
 
 /** Take out of a stiffness what a solver leaves of nothing: eigenvalues below 1e-10 of the
  *  largest. */
@@ -76,10 +79,10 @@ void ph_i_drop_nothing(ph_sym4 *stiffness);
 /** The solver's solution for a load [nd][cells], counted. */
 ph_status ph_i_run_iterate(ph_run *run, const double *load, double *u,
                            ph_cg_report *report, ph_error *err);
-/** Displacement of a macro strain [ns] Mandel into run->u, from a guess [nd][cells] or NULL.
- *  @param[out] report iterations and residual */
-ph_status ph_i_run_solve(ph_run *run, const double *macro, const double *guess,
-                         ph_cg_report *report, ph_error *err);
+/** Displacement of a macro strain or, by_stress, of a traction, [ns] Mandel, into run->u, from
+ *  a guess [nd][cells] or NULL. @param[out] report iterations and residual */
+ph_status ph_i_run_solve(ph_run *run, const double *macro, bool by_stress,
+                         const double *guess, ph_cg_report *report, ph_error *err);
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);
 ph_status ph_i_run_stiffness(ph_run *run, ph_error *err);

@@ -80,7 +80,8 @@ static ph_status classes_of_nodes(const ph_run *r, ph_strengths *s, ph_error *er
 {
     ph_status st = PH_OK;
     const ph_microstructure *m = r->problem->micro;
-    ptrdiff_t cells = ph_grid_cells(&m->grid);
+    ptrdiff_t cells = ph_grid_cells(&r->setting.box);
+    s->source = r->setting.source;
     s->classes = 2 * (m->nmaterials + 1);
     if (r->classes) {
         s->class = r->classes->class;
@@ -89,8 +90,10 @@ static ph_status classes_of_nodes(const ph_run *r, ph_strengths *s, ph_error *er
     }
     PH_ALLOC(s->own, 2 * cells, "classes of bonds");
     for (ptrdiff_t x = 0; x < cells; x++) {
-        s->own[cells + x] = m->owner ? m->owner[x] : 0;
-        s->own[x] = 2 * m->phase[x] + (s->own[cells + x] > 0);
+        ptrdiff_t from = s->source ? s->source[x] : x;
+        if (from < 0) continue; /* around the RVE: nothing breaks */
+        s->own[cells + x] = m->owner ? m->owner[from] : 0;
+        s->own[x] = 2 * m->phase[from] + (s->own[cells + x] > 0);
     }
     s->class = s->own;
     s->owner = s->own + cells;
@@ -258,6 +261,7 @@ void ph_i_strengths_free(ph_strengths **out)
 /* (-ln(1 - U))^(1/m) over the root of its mean square, Gamma(1 + 2/m). */
 static double scatter(const ph_strengths *s, double m, ptrdiff_t x, ptrdiff_t b)
 {
+    if (s->source) x = s->source[x] < 0 ? 0 : s->source[x];
     uint64_t number = (uint64_t)x * (uint64_t)s->broken->family->count + (uint64_t)b;
     ph_random random = {s->seed, s->realisation, OBJECT_BOND | number, 0};
     return pow(-log(ph_random_uniform(&random)), 1.0 / m) / sqrt(tgamma(1.0 + 2.0 / m));

@@ -11,8 +11,9 @@ static const char *const rule_keys[] = {"fracture_energy", "criterion",
                                         "critical_stretch", "critical_bond_energy",
                                         "weibull"};
 static const char *const criteria[] = {"critical_stretch", "bond_energy"};
-static const char *const loading_keys[] = {
-    "strain", "to", "steps", "window", "break", "stiffness_every", "pictures_every"};
+static const char *const loading_keys[] = {"strain",          "stress_free",   "to",
+                                           "steps",           "window",        "break",
+                                           "stiffness_every", "pictures_every"};
 static const char *const break_names[] = {"events", "together"};
 
 void ph_i_failure_free(ph_case *c)
@@ -149,6 +150,23 @@ static void read_direction(ph_i_reader *r, const ph_i_node *node)
         ph_i_reject(r, node, PH_EUNPHYSICAL, "must be below 1e6");
 }
 
+/* Components that carry no stress; `strain` has been read. */
+static void read_stress_free(ph_i_reader *r, const ph_i_node *node)
+{
+    static const char rule[] = "must be a list of components such as [11, 12]";
+    ph_loading *l = &r->c->loading;
+    if (!ph_i_read_list(r, node, 0, rule)) return;
+    for (size_t i = 0; i < node->count; i++) {
+        int k = ph_i_read_component(r, node->child[i]);
+        if (k < 0) return;
+        if (l->strain[k] != 0.0)
+            ph_i_reject(r, node->child[i], PH_EINVAL,
+                        "its strain is given as %g: one of both (0 where it is free)",
+                        l->strain[k]);
+        l->stress_free |= 1u << k;
+    }
+}
+
 static void read_count(ph_i_reader *r, const ph_i_node *map, const char *key,
                        int64_t least, const char *rule, int *out)
 {
@@ -168,8 +186,10 @@ static ph_status read_loading(ph_i_reader *r, const ph_i_node *map, ph_error *er
     l->steps = 40;
     l->window = 1e-3;
     const ph_i_node *strain = ph_i_need(r, map, "strain", "must be a macro strain"),
+                    *free = ph_i_get(map, "stress_free"),
                     *to = ph_i_need(r, map, "to", "must be a number"), *node;
     if (strain) read_direction(r, strain);
+    if (free) read_stress_free(r, free);
     if (to) PH_TRY(read_targets(r, to, err));
     read_count(r, map, "steps", 1, "must be an integer from 1 to 1e5", &l->steps);
     read_count(r, map, "stiffness_every", 0, "must be an integer from 0 to 1e5",
@@ -188,6 +208,21 @@ out:
     return st;
 }
 
+static void check_constraint(ph_i_reader *r, const ph_i_node *loading)
+{
+    const char *kind = r->c->constraint.kind;
+    bool bond = strcmp(r->c->model.kind, "bond") == 0;
+    if (strcmp(kind, "voigt") == 0 || strcmp(kind, "reuss") == 0)
+        ph_i_complain(r, loading, PH_EINVAL,
+                      "constraint %s solves no equations, a broken bond would unload "
+                      "nothing: take periodic, linear_displacement or uniform_traction",
+                      kind);
+    if (bond && r->c->constraint.collar != PH_COLLAR_INSIDE)
+        ph_i_complain(r, loading, PH_EINVAL,
+                      "takes collar inside with model bond: with a frame around the RVE "
+                      "its energies are not those of its bonds");
+}
+
 static void check_model(ph_i_reader *r, const ph_i_node *loading)
 {
     const ph_case *c = r->c;
@@ -199,9 +234,7 @@ static void check_model(ph_i_reader *r, const ph_i_node *loading)
         ph_i_complain(r, loading, PH_EINVAL,
                       "sub-points know nothing of broken bonds: take stabilisation auto "
                       "or {spectral: x}");
-    if (strcmp(c->constraint.kind, "periodic") != 0)
-        ph_i_complain(r, loading, PH_EINVAL, "takes constraint periodic, not %s",
-                      c->constraint.kind);
+    check_constraint(r, loading);
     if (c->sequence.kind != PH_SEQUENCE_NONE)
         ph_i_complain(r, loading, PH_EINVAL,
                       "does not go with a sequence of cracks: one of both");

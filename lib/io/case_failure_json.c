@@ -34,12 +34,25 @@ json_t *ph_i_failure_to_json(const ph_case *c, bool *good)
     return map;
 }
 
+static json_t *free_components(const ph_case *c, bool *good)
+{
+    static const char *const name[2][6] = {{"11", "22", "12"},
+                                           {"11", "22", "33", "23", "13", "12"}};
+    json_t *list = json_array();
+    int ns = ph_strains(c->kinematics);
+    for (int i = 0; i < ns; i++)
+        if (c->loading.stress_free >> i & 1)
+            ph_i_json_append(list, json_string(name[ns == 6][i]), good);
+    return list;
+}
+
 json_t *ph_i_loading_to_json(const ph_case *c, bool *good)
 {
     const ph_loading *l = &c->loading;
     json_t *map = json_object();
     ph_i_json_set(map, "strain",
                   ph_i_json_numbers(l->strain, ph_strains(c->kinematics), good), good);
+    if (l->stress_free) ph_i_json_set(map, "stress_free", free_components(c, good), good);
     ph_i_json_set(map, "to", ph_i_json_numbers(l->to, l->ntargets, good), good);
     ph_i_json_set(map, "steps", json_integer(l->steps), good);
     ph_i_json_set(map, "window", json_real(l->window), good);

@@ -142,10 +142,12 @@ extern const ph_i_names ph_i_plane_names;     /* generalised_strain, strain, str
 extern const ph_i_names ph_i_raw_type_names;
 extern const ph_i_names ph_i_route_names;     /* of viscoelastic */
 extern const ph_i_names ph_i_component_names; /* 11 22 33 23 13 12 */
-extern const ph_i_names ph_i_filler_names;    /* platelet, fibre, particle */
-extern const ph_i_names ph_i_amount_names;    /* in the order of ph_amount */
-extern const ph_i_names ph_i_counting_names;  /* in the order of ph_counting */
-extern const ph_i_names ph_i_tip_names;       /* in the order of ph_crack_tip */
+/** Index of a component in the order of the case, -1 after a complaint. */
+int ph_i_read_component(ph_i_reader *r, const ph_i_node *node);
+extern const ph_i_names ph_i_filler_names;   /* platelet, fibre, particle */
+extern const ph_i_names ph_i_amount_names;   /* in the order of ph_amount */
+extern const ph_i_names ph_i_counting_names; /* in the order of ph_counting */
+extern const ph_i_names ph_i_tip_names;      /* in the order of ph_crack_tip */
 
 /* ---- one function a section; `node` is NULL where the section is not given */
 

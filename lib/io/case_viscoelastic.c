@@ -45,8 +45,7 @@ out:
 
 /* ---- history ---- */
 
-/* Index of the component in the order of the case, -1 after a complaint. */
-static int read_component(ph_i_reader *r, const ph_i_node *node)
+int ph_i_read_component(ph_i_reader *r, const ph_i_node *node)
 {
     int i = ph_i_read_name(r, node, ph_i_component_names);
     if (i < 0 || ph_strains(r->c->kinematics) == 6) return i;
@@ -186,7 +185,8 @@ static ph_status read_history(ph_i_reader *r, const ph_i_node *map, ph_error *er
     if ((node = ph_i_get(map, "control")) &&
         (control = ph_i_read_name(r, node, (ph_i_names)PH_I_NAMES(controls))) < 0)
         goto out;
-    if ((node = ph_i_get(map, "component")) && (component = read_component(r, node)) < 0)
+    if ((node = ph_i_get(map, "component")) &&
+        (component = ph_i_read_component(r, node)) < 0)
         goto out;
     const ph_i_node *points = ph_i_get(map, "points"), *ramp = ph_i_get(map, "ramp"),
                     *cycle = ph_i_get(map, "cycle");

@@ -28,12 +28,13 @@ static ph_status put_step(const ph_failure_path *p, int number, json_t *list,
     char path[64];
     snprintf(path, sizeof path, "effective.failure.steps.%d", number);
     const ph_failure_step *s = &p->step[number];
-    json_t *obj = json_object(), *stress = json_array();
-    PH_CHECK(obj && stress, PH_ENOMEM, "no memory for the failure");
+    bool good = true;
+    json_t *obj = json_object();
+    PH_CHECK(obj, PH_ENOMEM, "no memory for the failure");
     PH_TRY(ph_i_json_put(obj, "load", json_real(s->load), err));
-    for (int i = 0; i < p->n; i++)
-        PH_TRY(ph_i_json_add(stress, ph_i_json_number(s->stress[i]), err));
-    PH_TRY(ph_i_json_put(obj, "stress", json_incref(stress), err));
+    PH_TRY(ph_i_json_put(obj, "strain", ph_i_json_numbers(s->strain, p->n, &good), err));
+    PH_TRY(ph_i_json_put(obj, "stress", ph_i_json_numbers(s->stress, p->n, &good), err));
+    PH_CHECK(good, PH_ENOMEM, "no memory for the failure");
     PH_TRY(ph_i_json_put(obj, "conjugate_stress", ph_i_json_number(s->work), err));
     PH_TRY(ph_i_json_put(obj, "broken_bonds", json_integer((json_int_t)s->broken), err));
     PH_TRY(ph_i_json_put(obj, "events", json_integer((json_int_t)s->events), err));
@@ -41,7 +42,6 @@ static ph_status put_step(const ph_failure_path *p, int number, json_t *list,
     PH_TRY(ph_i_json_add(list, json_incref(obj), err));
 out:
     json_decref(obj);
-    json_decref(stress);
     return st;
 }
 
@@ -82,6 +82,7 @@ ph_status ph_i_json_failure(const ph_failure_path *p, json_t *effective, json_t 
     PH_TRY(ph_i_json_put(failure, "peak_stress", ph_i_json_number(p->peak_stress), err));
     PH_TRY(ph_i_json_put(failure, "toughness", ph_i_json_number(p->toughness), err));
     PH_TRY(ph_i_json_put(failure, "severed", json_boolean(p->severed), err));
+    PH_TRY(ph_i_json_put(failure, "came_apart", json_boolean(p->apart), err));
     PH_TRY(put_events(p, failure, reasons, err));
     for (int i = 0; i < p->nsteps; i++)
         PH_TRY(put_step(p, i, steps, reasons, err));
@@ -106,13 +107,16 @@ static ph_status to_text(ph_table **table, char **text, ph_error *err)
 ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *err)
 {
     ph_status st = PH_OK;
-    static const char *const three[] = {"stress_11", "stress_22", "stress_12"},
+    static const char *const three[] = {"stress_11", "stress_22", "stress_12",
+                                        "strain_11", "strain_22", "strain_12"},
                              *const six[] = {"stress_11", "stress_22", "stress_33",
-                                             "stress_23", "stress_13", "stress_12"},
+                                             "stress_23", "stress_13", "stress_12",
+                                             "strain_11", "strain_22", "strain_33",
+                                             "strain_23", "strain_13", "strain_12"},
                              *const rest[] = {"conjugate_stress", "broken_bonds",
                                               "external",         "stored",
                                               "fracture",         "dissipated"};
-    const char *name[13] = {"load"};
+    const char *name[19] = {"load"};
     ph_table *t = NULL;
     int k = 1;
     PH_CHECK(p && text && p->nsteps > 0, PH_EINVAL, "no failure to write");
@@ -120,6 +124,8 @@ ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *
         name[k++] = p->n == 3 ? three[i] : six[i];
     for (int i = 0; i < 6; i++)
         name[k++] = rest[i];
+    for (int i = 0; i < p->n; i++)
+        name[k++] = p->n == 3 ? three[3 + i] : six[6 + i];
     PH_TRY(ph_table_new(k, name, p->nsteps, &t, err));
     for (int i = 0; i < p->nsteps; i++) {
         const ph_failure_step *s = &p->step[i];
@@ -131,6 +137,8 @@ ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *
             t->value[(ptrdiff_t)(1 + j) * p->nsteps + i] = s->stress[j];
         for (int j = 0; j < 6; j++)
             t->value[(ptrdiff_t)(1 + p->n + j) * p->nsteps + i] = last[j];
+        for (int j = 0; j < p->n; j++)
+            t->value[(ptrdiff_t)(7 + p->n + j) * p->nsteps + i] = s->strain[j];
     }
     PH_TRY(to_text(&t, text, err));
 out:

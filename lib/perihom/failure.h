@@ -77,6 +77,9 @@ typedef struct ph_loading {
      * depend on the number of steps. */
     bool together;
     int stiffness_every; /* steps between full stiffness tensors; 0: the last step only */
+    /* Bit a: component a of the strain is found, so that its macro stress is zero; strain[a]
+     * is 0 then. Not all components. */
+    unsigned stress_free;
 } ph_loading;
 
 /** Energies per volume of the RVE (2D: per area), along a path. */
@@ -105,6 +108,7 @@ typedef struct ph_failure_event {
 typedef struct ph_failure_step {
     double load;
     double stress[6]; /* mean, Voigt order */
+    double strain[6]; /* mean, Voigt order, engineering shear */
     double work;      /* conjugate stress: stress : direction */
     ptrdiff_t broken, events;
     ph_failure_energy energy;
@@ -120,6 +124,7 @@ typedef struct ph_broken_bond {
 typedef struct ph_failure_path {
     int n; /* strain components */
     double strain[6];
+    unsigned stress_free; /* components that are found */
     ptrdiff_t nevents, event_room;
     ph_failure_event *event;
     int nsteps;
@@ -132,6 +137,7 @@ typedef struct ph_failure_path {
     double window;
     bool together;
     bool severed; /* no stress is left in the direction of the load */
+    bool apart;   /* a piece that tractions pull has come off: it ends there */
     /* Of the controlled path: */
     double peak_load, peak_stress; /* largest conjugate stress, at an event or a step */
     double first_load;             /* first event; NaN: none */

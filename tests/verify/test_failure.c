@@ -1,83 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Progressive failure: critical loads and energies that are known, a through crack, paths. */
 #include "check.h"
-#include "effective/failure.h"
-#include "solve.h"
-
-static const double tight = 1e-9;
-
-static ph_failure_rule stretch_of(double value)
-{
-    return (ph_failure_rule){.given = true,
-                             .criterion = PH_CRITICAL_STRETCH,
-                             .value = value,
-                             .fracture_energy = NAN};
-}
-
-static ph_failure_rule energy_of(double G, int criterion)
-{
-    return (ph_failure_rule){
-        .given = true, .criterion = criterion, .value = NAN, .fracture_energy = G};
-}
-
-static ph_failure_rule none(void)
-{
-    return (ph_failure_rule){.given = true, .criterion = PH_UNBREAKABLE};
-}
-
-/* A bar of material 0 with one row of cells of material 1, across axis 2. */
-static ph_microstructure *bar(ptrdiff_t n, double height, double E1, double thickness)
-{
-    ph_material m[2] = {isotropic("matrix", 1.0, 1.0 / 3),
-                        isotropic("weak", E1, 1.0 / 3)};
-    ph_inclusion inc = blank_inclusion("layer", 1);
-    inc.normal = 2;
-    inc.from = 0.5 * height - 0.5 * thickness;
-    inc.to = 0.5 * height + 0.5 * thickness;
-    return shapes_cell(
-        box_grid(PH_PLANE_STRESS, n, (ptrdiff_t)((double)n * height), 1, 1, height, 1), 2,
-        m, 1, &inc);
-}
-
-typedef struct trial {
-    ph_microstructure *micro;
-    ph_failure_rule rule[2];
-    ph_failure failure;
-    double to[4];
-    ph_loading loading;
-    ph_cracks cracks;
-    ph_problem problem;
-} trial;
-
-/* Pull along axis 2 to `to`. */
-static void set_up(trial *t, ph_microstructure *micro, ph_failure_rule first,
-                   ph_failure_rule second, double to, int steps, double horizon)
-{
-    memset(t, 0, sizeof *t);
-    t->micro = micro;
-    t->rule[0] = first;
-    t->rule[1] = second;
-    t->failure.material = t->rule;
-    t->to[0] = to;
-    t->loading = (ph_loading){.strain = {0, 1, 0}, .ntargets = 1, .steps = steps};
-    t->problem = (ph_problem){.micro = micro,
-                              .model = {.kind = "bond", .horizon = horizon},
-                              .solver = {.tolerance = tight},
-                              .loads = 0};
-}
-
-static ph_result *run(trial *t, int threads)
-{
-    ph_error err = PH_ERROR_INIT;
-    ph_result *res = NULL;
-    const ph_ctx ctx = {.threads = threads};
-    t->loading.to = t->to;
-    t->problem.failure = &t->failure;
-    t->problem.loading = &t->loading;
-    t->problem.cracks = t->cracks.count ? &t->cracks : NULL;
-    CHECK_OK(ph_homogenise(&t->problem, &ctx, &res, &err));
-    return res;
-}
+#include "failure_case.h"
 
 /* A homogeneous sheet under uniaxial strain: a bond at angle a has the stretch
  * lambda sin^2 a, so that those along axis 2 break first, at lambda = s_c, all together. The
@@ -101,40 +25,6 @@ static void one_stretch(void **state)
     ph_result_free(&res);
     ph_microstructure_free(&m);
     CHECK_END();
-}
-
-static void notch(trial *t, double x0, double x1, double y)
-{
-    ph_error err = PH_ERROR_INIT;
-    double v[2][3] = {{x0, y, 0}, {x1, y, 0}};
-    CHECK_OK(ph_cracks_add_line(&t->cracks, 2, (const double(*)[3])v, &err));
-}
-
-static void tear_down(trial *t, ph_result **res)
-{
-    ph_result_free(res);
-    ph_microstructure_free(&t->micro);
-    ph_cracks_free(&t->cracks);
-}
-
-static const ph_failure_event *last_event(const ph_failure_path *p)
-{
-    return &p->event[p->nevents - 1];
-}
-
-/* External work is stored or dissipated: the mean stress, the energy of the bonds and what
- * the broken ones held are three sums that know nothing of each other, each exact to the
- * square of the residual or to the residual. */
-static void check_balance(const ph_failure_path *p, double tolerance)
-{
-    double most = 0.0;
-    for (ptrdiff_t i = 0; i < p->nevents; i++) {
-        const ph_failure_energy *e = &p->event[i].energy;
-        most = fmax(most, e->external);
-        CHECK_ABS(e->external - e->stored - e->dissipated, 0.0, tolerance * most);
-        CHECK(e->fracture <= e->dissipated * (1 + tolerance));
-    }
-    CHECK(p->imbalance <= tolerance);
 }
 
 /* Fracture energy of the continuum, G = a E s^2 delta: s_c of the lattice goes to it. */
@@ -396,22 +286,10 @@ static void states(void **state)
     CHECK_END();
 }
 
-static ph_status status_of(trial *t)
-{
-    ph_error err = PH_ERROR_INIT;
-    ph_result *res = NULL;
-    t->loading.to = t->to;
-    t->problem.failure = &t->failure;
-    t->problem.loading = &t->loading;
-    ph_status st = ph_homogenise(&t->problem, &one_thread, &res, &err);
-    ph_result_free(&res);
-    return st;
-}
-
 static void bad_input(void **state)
 {
     (void)state;
-    for (int i = 0; i < 16; i++) {
+    for (int i = 0; i < 19; i++) {
         trial t;
         const ph_sequence_kind kind = PH_SEQUENCE_DENSITY;
         ph_crack_sequence sequence = {.kind = kind, .nsteps = 1, .value = t.to};
@@ -428,13 +306,18 @@ static void bad_input(void **state)
         if (i == 9) t.rule[0].criterion = 7;
         if (i == 10) t.rule[0].fracture_energy = -1;
         if (i == 11) t.rule[0].weibull = 0.5;
-        if (i == 12) t.problem.constraint.kind = "linear_displacement";
+        if (i == 12) t.problem.constraint.kind = "voigt";
         if (i == 13) t.problem.sequence = &sequence;
         if (i == 14) t.problem.model = (ph_model_params){.kind = "local"};
         if (i == 15) {
             t.problem.model = (ph_model_params){.kind = "nosb"};
             t.rule[0].criterion = PH_BOND_ENERGY;
         }
+        if (i == 16) t.loading.stress_free = 2; /* and a strain */
+        if (i == 17) t.loading.stress_free = 8;
+        if (i == 18)
+            t.problem.constraint = (ph_constraint_params){.kind = "linear_displacement",
+                                                          .collar = PH_COLLAR_PERIODIC};
         CHECK(status_of(&t) == PH_EINVAL);
         ph_result *no = NULL;
         tear_down(&t, &no);
