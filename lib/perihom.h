@@ -26,6 +26,7 @@
 #include <perihom/catalogue.h>
 #include <perihom/crack.h>
 #include <perihom/damage.h>
+#include <perihom/damage_law.h>
 #include <perihom/distribution.h>
 #include <perihom/effective.h>
 #include <perihom/error.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "damage.h"
 
+#include <perihom/damage_law.h>
 #include <perihom/plot.h>
 #include <perihom/table.h>
 
@@ -36,6 +37,25 @@ void damage_print(FILE *to, const char *length, const ph_damage *d)
     }
 }
 
+/* The compact law, where there is one. */
+static ph_status write_law(const destination *to, const ph_result *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    char path[DESTINATION_PATH + 64], *text = NULL;
+    ph_damage_law *law = NULL;
+    ph_error why = PH_ERROR_INIT;
+    st = ph_damage_law_from_result(r, &law, &why);
+    if (st == PH_EINVAL) return PH_OK; /* result.json says why */
+    PH_CHECK(st == PH_OK, st, "%s", why.msg);
+    PH_TRY(ph_damage_law_to_csv(law, &text, err));
+    destination_file(to, "damage-law.csv", path, sizeof path);
+    PH_TRY(ph_write_file(path, text, strlen(text), err));
+out:
+    ph_damage_law_free(&law);
+    free(text);
+    return st;
+}
+
 ph_status damage_write(const destination *to, const ph_result *r, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -45,6 +65,7 @@ ph_status damage_write(const destination *to, const ph_result *r, ph_error *err)
     PH_TRY(ph_damage_to_csv(r->damage, &text, err));
     destination_file(to, "damage.csv", path, sizeof path);
     PH_TRY(ph_write_file(path, text, strlen(text), err));
+    PH_TRY(write_law(to, r, err));
 out:
     free(text);
     return st;

@@ -228,6 +228,7 @@ ph_status ph_i_run_damage(ph_run *r, ph_error *err)
         r->keep_fields = kept && i == r->result->damage->nsteps - 1;
         PH_TRY(take_step(r, i, err));
     }
+    ph_i_damage_measures(r->result);
 out:
     return st;
 }

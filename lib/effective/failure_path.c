@@ -29,6 +29,7 @@ typedef struct ph_walk {
     ph_scan *scan;
     ph_unit_load unit;
     double pristine; /* energy of the unit load at the beginning */
+    int stiffnesses; /* that were solved */
     double load;     /* controlled strain */
     double last;     /* load of the last event, by its size */
     ph_failure_energy events, controlled;
@@ -248,15 +249,30 @@ static bool wants_stiffness(const ph_loading *l, int step)
     return step == last || (l->stiffness_every > 0 && step % l->stiffness_every == 0);
 }
 
+/* The cell before the loading has a stiffness of its own where cracks cut it. */
+static bool wants_first(const ph_problem *p)
+{
+    return p->loading->stiffness_every > 0 && p->cracks && p->cracks->count > 0;
+}
+
+static ph_status keep_stiffness(ph_walk *w, double density, ph_error *err)
+{
+    ph_damage_step *s = &w->run->result->damage->step[w->stiffnesses++];
+    s->value = w->load;
+    s->density = density;
+    return ph_i_damage_step(w->run, s, w->path->apart, err);
+}
+
 static ph_status walk_steps(ph_walk *w, bool keep_fields, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_loading *l = w->loading;
-    ph_damage *d = w->run->result->damage;
     const ph_cracks *cracks = w->run->problem->cracks;
     double density = cracks ? ph_cracks_density(cracks, &w->run->result->grid) : 0.0;
-    int done = 0, last = l->ntargets * l->steps;
+    int last = l->ntargets * l->steps;
     keep_step(w, 0);
+    w->run->keep_fields = false;
+    if (wants_first(w->run->problem)) PH_TRY(keep_stiffness(w, density, err));
     for (int i = 1; i <= last; i++) {
         int t = (i - 1) / l->steps, k = (i - 1) % l->steps + 1;
         double from = t > 0 ? l->to[t - 1] : 0.0, share = (double)k / l->steps;
@@ -265,9 +281,7 @@ static ph_status walk_steps(ph_walk *w, bool keep_fields, ph_error *err)
         keep_step(w, i);
         if (!wants_stiffness(l, i)) continue;
         w->run->keep_fields = keep_fields && i == last;
-        d->step[done].value = w->load;
-        d->step[done].density = density;
-        PH_TRY(ph_i_damage_step(w->run, &d->step[done++], w->path->apart, err));
+        PH_TRY(keep_stiffness(w, density, err));
     }
 out:
     return st;
@@ -326,9 +340,10 @@ out:
     return st;
 }
 
-static int stiffness_steps(const ph_loading *l)
+static int stiffness_steps(const ph_problem *p)
 {
-    int count = 0;
+    const ph_loading *l = p->loading;
+    int count = wants_first(p);
     for (int i = 1; i <= l->ntargets * l->steps; i++)
         count += wants_stiffness(l, i);
     return count;
@@ -340,9 +355,10 @@ ph_status ph_i_run_failure(ph_run *r, ph_error *err)
     ph_walk w = {.run = r, .loading = r->problem->loading};
     bool keep_fields = r->keep_fields;
     PH_TRY(check_loading(r, err));
-    PH_TRY(ph_i_damage_begin(r, PH_SEQUENCE_LOADING, stiffness_steps(w.loading), err));
+    PH_TRY(ph_i_damage_begin(r, PH_SEQUENCE_LOADING, stiffness_steps(r->problem), err));
     PH_TRY(start(&w, err));
     PH_TRY(walk_steps(&w, keep_fields, err));
+    ph_i_damage_measures(r->result);
     w.path->toughness = w.controlled.external;
     double most = 0.0;
     for (ptrdiff_t i = 0; i < w.path->nevents; i++)

@@ -71,6 +71,8 @@ ph_status ph_i_run_damage(ph_run *run, ph_error *err);
 ph_status ph_i_damage_begin(ph_run *run, ph_sequence_kind kind, int nsteps,
                             ph_error *err);
 ph_status ph_i_damage_step(ph_run *run, ph_damage_step *step, bool apart, ph_error *err);
+/** Tangents and damage tensors of all steps, when they are there. */
+void ph_i_damage_measures(ph_result *result);
 
 /** Take out of a stiffness what a solver leaves of nothing: eigenvalues below 1e-10 of the
  *  largest. */

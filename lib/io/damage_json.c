@@ -38,11 +38,11 @@ static ph_status put_step(const ph_damage *d, int number, json_t *list, json_t *
 {
     ph_status st = PH_OK;
     const ph_damage_step *s = &d->step[number];
-    json_t *obj = json_object(), *psi = json_array();
+    json_t *obj = json_object(), *psi = json_array(), *tensor = json_array();
     char path[64];
     int axes = s->stiffness.n == 6 ? 3 : 2;
     snprintf(path, sizeof path, "effective.damage.steps.%d", number);
-    PH_CHECK(obj && psi, PH_ENOMEM, "no memory for the damage");
+    PH_CHECK(obj && psi && tensor, PH_ENOMEM, "no memory for the damage");
     PH_TRY(ph_i_json_put(
         obj, "load", d->kind == PH_SEQUENCE_LOADING ? json_real(s->value) : json_null(),
         err));
@@ -50,9 +50,21 @@ static ph_status put_step(const ph_damage *d, int number, json_t *list, json_t *
         PH_TRY(ph_i_json_put(obj, value_name(d->kind), json_real(s->value), err));
     PH_TRY(ph_i_json_put(obj, "density", ph_i_json_number(s->density), err));
     PH_TRY(put_voigt(obj, "stiffness", &s->stiffness, err));
-    for (int n = 0; n < axes; n++)
+    PH_TRY(put_voigt(obj, "tangent", &s->tangent, err));
+    if (isnan(s->tangent.m[0][0])) {
+        char key[80];
+        snprintf(key, sizeof key, "%s.tangent", path);
+        PH_TRY(ph_i_json_put(
+            reasons, key, ph_i_json_text("strains that zero stress finds turned"), err));
+    }
+    for (int n = 0; n < axes; n++) {
         PH_TRY(ph_i_json_add(psi, ph_i_json_number(s->psi[n]), err));
+        PH_TRY(ph_i_json_add(tensor, ph_i_json_number(s->tensor[n]), err));
+    }
     PH_TRY(ph_i_json_put(obj, "psi", json_incref(psi), err));
+    PH_TRY(ph_i_json_put(obj, "damage_tensor", json_incref(tensor), err));
+    PH_TRY(ph_i_json_put(obj, "damage_tensor_error", ph_i_json_number(s->tensor_error),
+                         err));
     PH_TRY(ph_i_json_put_number(obj, path, "anisotropy_index", s->anisotropy, reasons,
                                 isnan(s->anisotropy) ? "load cases were not solved"
                                                      : "the stiffness is singular",
@@ -67,19 +79,22 @@ static ph_status put_step(const ph_damage *d, int number, json_t *list, json_t *
 out:
     json_decref(obj);
     json_decref(psi);
+    json_decref(tensor);
     return st;
 }
 
-ph_status ph_i_json_damage(const ph_damage *d, json_t *effective, json_t *reasons,
+ph_status ph_i_json_damage(const ph_result *result, json_t *effective, json_t *reasons,
                            ph_error *err)
 {
     ph_status st = PH_OK;
+    const ph_damage *d = result->damage;
     json_t *damage = json_object(), *steps = json_array();
     PH_CHECK(damage && steps, PH_ENOMEM, "no memory for the damage");
     PH_TRY(put_voigt(damage, "pristine", &d->pristine, err));
     for (int i = 0; i < d->nsteps; i++)
         PH_TRY(put_step(d, i, steps, reasons, err));
     PH_TRY(ph_i_json_put(damage, "steps", json_incref(steps), err));
+    PH_TRY(ph_i_json_damage_law(result, damage, reasons, err));
     PH_TRY(ph_i_json_put(effective, "damage", json_incref(damage), err));
 out:
     json_decref(damage);

@@ -16,6 +16,7 @@ void ph_effective_free(ph_effective **effective)
 {
     if (!effective || !*effective) return;
     ph_prony_free(&(*effective)->relaxation);
+    ph_damage_law_free(&(*effective)->damage);
     free(*effective);
     *effective = NULL;
 }
@@ -56,8 +57,16 @@ ph_status ph_effective_from_result(const ph_result *result, const ph_case *c,
         copy_text(e->unit_time, sizeof e->unit_time, c->unit_time);
     }
     copy_text(e->revision, sizeof e->revision, ph_git_revision());
+    if (result->failure) { /* no law of this path: what there is is the last stiffness */
+        ph_error why = PH_ERROR_INIT;
+        st = ph_damage_law_from_result(result, &e->damage, &why);
+        if (st == PH_EINVAL) st = PH_OK;
+        PH_CHECK(st == PH_OK, st, "%s", why.msg);
+    }
     *out = e;
+    e = NULL;
 out:
+    ph_effective_free(&e);
     return st;
 }
 
@@ -172,7 +181,10 @@ static ph_status take_document(const json_t *root, ph_effective *e, ph_error *er
              "only some loads has no whole tensor)",
              n, n);
     e->stiffness = ph_sym4_from_voigt(n, voigt, true);
-    PH_CHECK(ph_sym4_is_stiffness(&e->stiffness), PH_EINVAL,
+    PH_TRY(ph_i_json_read_damage_law(
+        json_object_get(json_object_get(effective, "damage"), "law"), n, &e->damage,
+        err));
+    PH_CHECK(e->damage || ph_sym4_is_stiffness(&e->stiffness), PH_EINVAL,
              "effective.stiffness: is not symmetric positive definite");
     PH_TRY(read_relaxation(json_object_get(effective, "viscoelastic"), n, &e->relaxation,
                            err));

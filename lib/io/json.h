@@ -5,6 +5,7 @@
 #define PH_IO_JSON_H
 
 #include <perihom/case.h>
+#include <perihom/damage_law.h>
 
 #include "core/check.h"
 
@@ -51,8 +52,14 @@ json_t *ph_i_loading_to_json(const ph_case *c, bool *good);
 ph_status ph_i_json_failure(const ph_failure_path *path, json_t *effective,
                             json_t *reasons, ph_error *err);
 /** `effective.damage` (damage_json.c). */
-ph_status ph_i_json_damage(const ph_damage *damage, json_t *effective, json_t *reasons,
+ph_status ph_i_json_damage(const ph_result *result, json_t *effective, json_t *reasons,
                            ph_error *err);
+/** `effective.damage.law` of a result, null and a reason where there is none; and back: NULL
+ *  where nothing drives it (damage_law_json.c). */
+ph_status ph_i_json_damage_law(const ph_result *result, json_t *damage, json_t *reasons,
+                               ph_error *err);
+ph_status ph_i_json_read_damage_law(const json_t *from, int n, ph_damage_law **out,
+                                    ph_error *err);
 /** A viscoelastic material and `viscoelastic` (case_viscoelastic_json.c). */
 json_t *ph_i_relaxation_to_json(const ph_case_relaxation *x, double density, bool *good);
 json_t *ph_i_viscoelastic_to_json(const ph_case_viscoelastic *v, bool *good);

@@ -373,7 +373,7 @@ static ph_status put_effective(draft_document *d, ph_error *err)
     if (d->result->bond.present) PH_TRY(put_bond(d, effective, missing, err));
     PH_TRY(put_derived(d, effective, missing, err));
     if (d->result->damage)
-        PH_TRY(ph_i_json_damage(d->result->damage, effective, d->reasons, err));
+        PH_TRY(ph_i_json_damage(d->result, effective, d->reasons, err));
     if (d->result->failure)
         PH_TRY(ph_i_json_failure(d->result->failure, effective, d->reasons, err));
 out:

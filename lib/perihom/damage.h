@@ -30,12 +30,20 @@ typedef struct ph_crack_sequence {
 } ph_crack_sequence;
 
 typedef struct ph_damage_step {
-    double value;       /* of the sequence or the load; NaN without one */
-    double density;     /* ph_cracks_density of the cracks that are there */
-    ph_sym4 stiffness;  /* secant, Mandel */
-    double psi[3];      /* E_n of this step over E_n without cracks, as many as axes */
-    double anisotropy;  /* of the stiffness, ph_anisotropy_index */
-    double mean_damage; /* over the nodes of the RVE: weight of broken bonds over all */
+    double value;      /* of the sequence or the load; NaN without one */
+    double density;    /* ph_cracks_density of the cracks that are there */
+    ph_sym4 stiffness; /* secant, Mandel */
+    /* d stress / d strain. Without a loading, and where no bond broke since the step before,
+     * it is the secant: between breaks the cell is linear. Else the slope of the curve
+     * between the two steps, as the symmetric tensor C - t (A E)(A E) / (E : A : E) that gives
+     * it along the load E: A what the stiffness lost on the way, t = load before / (load -
+     * load before). NaN where some strains are found by zero stress. Mandel */
+    ph_sym4 tangent;
+    double psi[3];       /* E_n of this step over E_n without cracks, as many as axes */
+    double tensor[3];    /* D_n = 1 - sqrt(psi_n), see ph_damaged_stiffness */
+    double tensor_error; /* |C(D) - C| over the pristine |C| */
+    double anisotropy;   /* of the stiffness, ph_anisotropy_index */
+    double mean_damage;  /* over the nodes of the RVE: weight of broken bonds over all */
     ptrdiff_t broken_bonds, damaged_nodes;
     ptrdiff_t mute_nodes; /* carry no stress: too few bonds are left */
     int iterations;       /* of all loads */
@@ -63,6 +71,15 @@ PH_API void ph_damage_free(ph_damage **damage);
  *  tensor. Infinity where the stiffness has no inverse.
  *  Ref: 2D [Galadima2023] (7-1) after [Li2020]; 3D [Kube2016]. */
 PH_API double ph_anisotropy_index(const ph_sym4 *stiffness);
+/** The stiffness that a damage tensor with principal axes 1, 2 (, 3) leaves:
+ *
+ *      C(D) = M C_0 M,  M = diag(1 - D_n; shears: sqrt((1 - D_i) (1 - D_j))), Mandel
+ *
+ *  E_n is (1 - D_n)^2 of what it was. Positive semidefinite for all D <= 1, exact for no
+ *  damage and for none but axial moduli in general: ph_damage_step has the error.
+ *  @param[in] D [3] or [2], <= 1. @return n = 0 where something is missing
+ *  Ref: [Cordebois1982] (energy equivalence). Tested: tests/laws/test_damage_law.c */
+PH_API ph_sym4 ph_damaged_stiffness(const ph_sym4 *pristine, const double *D);
 /** Young's modulus along axis n = 0, 1, 2 (2D: 0, 1) of a stiffness that may be singular:
  *  the least energy of a unit strain n with all other strains free, 0 if it costs nothing. */
 PH_API double ph_axial_modulus(const ph_sym4 *stiffness, int axis);

@@ -4,6 +4,7 @@
 #define PERIHOM_EFFECTIVE_H
 
 #include <perihom/case.h>
+#include <perihom/damage_law.h>
 #include <perihom/homogenise.h>
 #include <perihom/prony.h>
 
@@ -19,7 +20,11 @@ typedef struct ph_effective {
     ph_kinematics kinematics;
     ph_sym4 stiffness; /* n = 6, or 3 in plane strain and plane stress; instantaneous */
     ph_prony *relaxation; /* viscoelastic: C(t), whose C(0+) is `stiffness`; else NULL */
-    double density;       /* of the mixture; NaN unless every phase has one */
+    ph_damage_law
+        *damage;    /* of a result of a loading: how it fails, the unloaded material
+                            * first; `stiffness` is then that of the last step, which may
+                            * be singular. Else NULL */
+    double density; /* of the mixture; NaN unless every phase has one */
 } ph_effective;
 
 PH_API void ph_effective_free(ph_effective **effective);

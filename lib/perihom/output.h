@@ -5,6 +5,7 @@
 #define PERIHOM_OUTPUT_H
 
 #include <perihom/case.h>
+#include <perihom/damage_law.h>
 #include <perihom/relaxation.h>
 #include <perihom/viscoelastic.h>
 
@@ -59,6 +60,12 @@ PH_API ph_status ph_prony_to_yaml(const ph_prony *p, const char *name, char **te
  *  triangle), psi1 .., anisotropy_index, mean_damage, counts. The text is malloc'd.
  *  @return PH_OK; PH_ENOMEM. Tested: tests/unit/test_cracks.c */
 PH_API ph_status ph_damage_to_csv(const ph_damage *damage, char **text, ph_error *err);
+
+/** A damage law as a table, one row a knot: damage, begin and end of the segment that leads to
+ *  it (empty: none), C11 .. (Voigt, upper triangle). malloc'd.
+ *  @return PH_OK; PH_ENOMEM. Tested: tests/laws/test_damage_law.c */
+PH_API ph_status ph_damage_law_to_csv(const ph_damage_law *law, char **text,
+                                      ph_error *err);
 
 /** The steps of a loading as a table: load, stress_11 .., conjugate_stress, broken_bonds and
  *  the energies; and its events: load, stress before and after, the same. malloc'd.

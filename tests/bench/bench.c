@@ -11,6 +11,7 @@
  *   clay_batch:200                 as many realisations on two threads
  *   relax:V29:100                  the whole relaxation over one elastic solution, all loads
  *   point:10                       the material point with so many terms, n = 6
+ *   damage:20                      the same with a damage law of so many segments
  *   stepping:V29:64                a thousand steps over twelve decades, all loads, beside it
  *
  * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
@@ -492,6 +493,30 @@ static ph_route route_called(const char *name)
     return PH_ROUTE_AUTO;
 }
 
+/* Stiffness (1 - d) C in so many segments, between loads that the strains of the bench pass. */
+static ph_point_material *point_of_damage(int segments)
+{
+    ph_error err = PH_ERROR_INIT;
+    const double strain[6] = {1, 1, 1, 1, 1, 1};
+    double d[65], begin[64], end[64];
+    ph_sym4 c[65];
+    ph_effective effective = {.stiffness = ph_sym4_isotropic_kg(4, 2)};
+    ph_point_material *point = NULL;
+    if (segments < 1 || segments > 64) die("damage: 1 to 64 segments", &err);
+    for (int k = 0; k <= segments; k++) {
+        d[k] = 0.9 * k / segments;
+        c[k] = ph_sym4_combine(1 - d[k], &effective.stiffness, 0, &effective.stiffness);
+        if (k < segments)
+            begin[k] = 0.1 * k / segments, end[k] = 0.1 * (k + 1) / segments;
+    }
+    if (ph_damage_law_new(6, strain, segments + 1, d, c, begin, end, &effective.damage,
+                          &err) ||
+        ph_point_material_new(&effective, &point, &err))
+        die("damage", &err);
+    ph_damage_law_free(&effective.damage);
+    return point;
+}
+
 /* A material whose terms are spread over ten decades; K and G positive, so all are. */
 static ph_point_material *point_of_terms(int terms)
 {
@@ -515,14 +540,16 @@ static ph_point_material *point_of_terms(int terms)
 
 /* Nanoseconds a call: one point after the other with and without the tangent, and 1000 at
  * once; both ways must end with the same bits. */
-static void bench_point(int terms)
+static void bench_point(const char *kind, int size_of_law)
 {
     enum { POINTS = 1000, CALLS = 200 };
-    ph_point_material *point = point_of_terms(terms);
+    static double tangent[36 * POINTS];
+    ph_point_material *point = strcmp(kind, "damage") == 0 ? point_of_damage(size_of_law)
+                                                           : point_of_terms(size_of_law);
     const size_t size = ph_point_state_size(point);
     double *state[3], *de = malloc(6 * POINTS * sizeof *de),
                       *stress = malloc(6 * POINTS * sizeof *de);
-    double tangent[36], least[3] = {INFINITY, INFINITY, INFINITY};
+    double least[3] = {INFINITY, INFINITY, INFINITY};
     for (int i = 0; i < 6 * POINTS; i++)
         de[i] = 1e-3 * sin(i);
     for (int way = 0; way < 3; way++) {
@@ -538,11 +565,12 @@ static void bench_point(int terms)
         }
     }
     const bool same = memcmp(state[0], state[2], size * POINTS * sizeof **state) == 0;
-    printf("{\"bench\": \"point\", \"terms\": %d, \"ns_tangent\": %.4g, \"ns_stress\": "
+    printf("{\"bench\": \"%s\", \"%s\": %d, \"ns_tangent\": %.4g, \"ns_stress\": "
            "%.4g, "
            "\"ns_of_1000\": %.4g, \"state_bytes\": %zu, \"same_bits\": %s}\n",
-           terms, 1e9 * least[0] / POINTS, 1e9 * least[1] / POINTS,
-           1e9 * least[2] / POINTS, size * sizeof(double), same ? "true" : "false");
+           kind, strcmp(kind, "damage") == 0 ? "segments" : "terms", size_of_law,
+           1e9 * least[0] / POINTS, 1e9 * least[1] / POINTS, 1e9 * least[2] / POINTS,
+           size * sizeof(double), same ? "true" : "false");
     for (int way = 0; way < 3; way++)
         free(state[way]);
     free(de);
@@ -569,7 +597,9 @@ static int run(const char *word)
     else if (sscanf(word, "relax:%31[^:]:%d", name, &size) == 2)
         bench_relax(name, size);
     else if (sscanf(word, "point:%d", &size) == 1)
-        bench_point(size);
+        bench_point("point", size);
+    else if (sscanf(word, "damage:%d", &size) == 1)
+        bench_point("damage", size);
     else if (sscanf(word, "clay_batch:%d", &size) == 1)
         bench_clay_batch(size);
     else if (sscanf(word, "horizon:%tdx%tdx%td", &n[0], &n[1], &n[2]) == 3)

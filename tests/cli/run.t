@@ -138,6 +138,7 @@ $ perihom run cracked.yaml -q > cracked; grep -c 'the stiffness has no inverse' 
 >                  1      0.25    1.00000        inf
 
 $ ls -A cracked-results
+> damage-law.csv
 > damage.csv
 > damage.png
 > phases.png

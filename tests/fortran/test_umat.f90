@@ -15,6 +15,7 @@ program test_umat
     call cycles(6)
     call cycles(4)
     call tangent_is_consistent()
+    call damage()
     call errors()
     print '(a, i0)', '1..', number
     if (failed > 0) stop 1
@@ -42,7 +43,8 @@ contains
         end do
     end function
 
-    subroutine call_umat(stress, state, tangent, strain, increment, t, dt)
+    subroutine call_umat(stress, state, tangent, strain, increment, t, dt, which)
+        character(len=*), intent(in), optional :: which
         real(c_double) :: stress(:), state(:), tangent(:, :), strain(:), increment(:), t, dt
         real(c_double) :: sse, spd, scd, rpl, ddsddt(6), drplde(6), drpldt, props(1), coords(3), drot(3, 3), pnewdt, &
                           celent, f0(3, 3), f1(3, 3), predef(1), dpred(1), time(2)
@@ -50,6 +52,7 @@ contains
         character(len=80) :: name
         external :: umat
         name = 'RESIN'
+        if (present(which)) name = which
         time = t
         sse = 0
         pnewdt = 1
@@ -119,6 +122,31 @@ contains
         end do
         call check(worst < 1d-7, 'the tangent is the derivative')
         call check(maxval(abs(t - transpose(t))) < 1d-14, 'the tangent is symmetric')
+    end subroutine
+
+    !> Axis 3 is the third of Abaqus too; 12 is the fourth here and the sixth there. C(d) of brittle.json
+    !> is (1 - d) times isotropic K 4, G 2, the load of a strain along 3 is its size.
+    subroutine damage()
+        real(c_double) :: s(6), state(7), t(6, 6), zero(6), step(6)
+        real(c_double), parameter :: C33 = 4 + 8d0 / 3
+        zero = 0
+        step = 0
+        state = 0
+        s = 0
+        step(3) = 1.5d-3
+        call call_umat(s, state, t, zero, step, 0d0, 1d0, 'BRITTLE')
+        call check(abs(state(7) - 0.25d0) < 1d-12 .and. abs(s(3) - 0.75d0 * C33 * 1.5d-3) < 1d-15, 'damage on its way')
+        ! d s33 / d e33 = (1 - d) C33 - C33 e33 0.5 / 1e-3
+        call check(abs(t(3, 3) - C33 * (0.75d0 - 1.5d-3 * 0.5d0 / 1d-3)) < 1d-10, 'the tangent softens')
+        step = 0
+        step(4) = 1d-4
+        call call_umat(s, state, t, zero, step, 0d0, 1d0, 'BRITTLE')
+        call check(abs(s(4) - 2d0 * (1 - state(7)) * 1d-4) < 1d-15, 'shear 12 of Abaqus')
+        step = 0
+        step(3) = -1.5d-3
+        step(4) = -1d-4
+        call call_umat(s, state, t, zero, step, 0d0, 1d0, 'BRITTLE')
+        call check(maxval(abs(s)) < 1d-15 .and. state(7) > 0.25d0, 'back to nothing, damage stays')
     end subroutine
 
     subroutine errors()

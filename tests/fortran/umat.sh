@@ -24,4 +24,9 @@ cat >resin.json <<TEXT
  "effective": {"stiffness": $(iso 4 1.5), "viscoelastic": {"stiffness_infinity": $(iso 2 0.5),
   "terms": [{"time": 2, "stiffness": $(iso 1 0.4)}, {"time": 30, "stiffness": $(iso 1 0.6)}]}}}
 TEXT
+cat >brittle.json <<TEXT
+{"schema": "perihom.result/1", "grid": {"kinematics": "space"},
+ "effective": {"stiffness": $(iso 1 0.5), "damage": {"law": {"strain": [0, 0, 1, 0, 0, 0], "damage": [0, 0.5, 0.75],
+  "begin": [0.001, 0.003], "end": [0.002, 0.004], "stiffness": [$(iso 4 2), $(iso 2 1), $(iso 1 0.5)], "correction": 0}}}}
+TEXT
 "$program"

@@ -264,8 +264,41 @@ def superelements():
     raises(perihom.Error, lambda: perihom.Superelement(blob()), "generalised plane strain")
 
 
+def damage_laws():
+    """A law by hand, and one out of a document: recorded path, irreversible, each point its own tangent."""
+    C = np.array([[3.0, 1, 0], [1, 3, 0], [0, 0, 1]])
+    law = perihom.DamageLaw([0, 1, 0], [0, 0.5, 1], [C, C / 2, 0 * C], [1, 2.5], [2, 3])
+    assert np.allclose(law.at(0.25), 0.75 * C) and np.isclose(law.force(0.2, [0, 1, 0]), 1.5)
+    point = perihom.MaterialPoint(law)
+    assert point.state_size == 4
+    state = point.state(2)
+    stress, tangent = point.update(state, np.array([[0, 1.5, 0], [0, 0.5, 0]]), 0)
+    assert np.allclose(state[:, 3], [0.25, 0]) and np.allclose(stress[:, 1], [0.75 * 4.5, 1.5])
+    # C22 - (A e) d kappa / d e / range = 0.75 * 3 - 1.5 * 1.5
+    assert tangent.shape == (2, 3, 3) and np.isclose(tangent[0, 1, 1], 0.0) and np.allclose(tangent[1], C)
+    stress, tangent = point.update(state, np.array([[0, -0.5, 0], [0, 9, 0]]), 0)
+    assert np.allclose(state[:, 3], [0.25, 1]) and np.allclose(stress[:, 1], [0.75 * 3, 0])
+    raises(perihom.Error, lambda: perihom.DamageLaw([0, 1, 0], [0, 0.5], [C, 2 * C], [1], [2]), "does not heal")
+    case = os.path.join(cases, "debonding-fibre.yaml")
+    with tempfile.TemporaryDirectory() as folder:
+        sets = ["microstructure.nodes=[12, 12]", "loading.steps=10", "loading.stiffness_every=1", "loading.window=0.5"]
+        subprocess.run([program, "run", case, "-q", "-o", folder + "/r"] + [x for s in sets for x in ("--set", s)],
+                       check=True, stdout=subprocess.DEVNULL)
+        e = perihom.Effective.read(folder + "/r")
+        with open(folder + "/r/result.json") as f:
+            steps = json.load(f)["effective"]["failure"]["steps"]
+        assert len(open(folder + "/r/damage-law.csv").readlines()) == 1 + len(e.damage.damage)
+    assert len(e.damage.damage) > 2
+    point = perihom.MaterialPoint(e)
+    state, last = point.state(1), 0.0
+    for s in steps:
+        stress, _ = point.update(state, np.array([[0, s["load"] - last, 0]]), 0)
+        last = s["load"]
+        assert np.allclose(stress[0], s["stress"], atol=1e-4 * 3000 * 0.01)  # the solver's tolerance is 1e-6
+
+
 tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
-         threads_do_not_meet, cards_and_catalogues, material_points, relaxing_composites, superelements]
+         threads_do_not_meet, cards_and_catalogues, material_points, damage_laws, relaxing_composites, superelements]
 failed = 0
 for number, test in enumerate(tests, 1):
     try:

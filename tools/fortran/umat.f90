@@ -3,7 +3,8 @@
 !>
 !> Material NAME is read once from NAME.json, the result of perihom under that name in lower
 !> case, in the folder of the environment variable PERIHOM_RESULTS (default: where the job
-!> runs). *DEPVAR needs 6 (1 + terms) numbers, 3 (1 + terms) for a plane stress result.
+!> runs). *DEPVAR needs 6 (1 + terms) numbers, 3 (1 + terms) for a plane stress result;
+!> with a damage law 7 and 4.
 !>   ntens 6: solids; 4: plane strain, generalised plane strain and axisymmetry (11 22 33 12),
 !>   with a tensor of six components; 3: plane stress, with the tensor of a plane stress result.
 !> The axes are those of the material's *ORIENTATION, small strain and rotation.

@@ -124,8 +124,16 @@ ph_status ph_write_phases_png(const char *path, const ph_microstructure *micro, 
 ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value, int axis, const char *title,
                        ph_error *err);
 
+typedef struct { int n; double strain[6]; bool driven; int nknots; double *damage; ph_sym4 *stiffness; double *begin,
+                 *end; double correction; ...; } ph_damage_law;
+ph_status ph_damage_law_new(int n, const double *strain, int nknots, const double *damage, const ph_sym4 *stiffness,
+                            const double *begin, const double *end, ph_damage_law **out, ph_error *err);
+ph_status ph_damage_law_copy(const ph_damage_law *law, ph_damage_law **out, ph_error *err);
+void ph_damage_law_free(ph_damage_law **law);
+ph_sym4 ph_damage_law_stiffness(const ph_damage_law *law, double damage);
+double ph_damage_law_force(const ph_damage_law *law, double damage, const double *strain);
 typedef struct { char title[256], unit_length[32], unit_stress[32], unit_time[32]; int kinematics; ph_sym4 stiffness;
-                 ph_prony *relaxation; double density; ...; } ph_effective;
+                 ph_prony *relaxation; ph_damage_law *damage; double density; ...; } ph_effective;
 ph_status ph_effective_from_result(const ph_result *result, const ph_case *c, ph_effective **out, ph_error *err);
 ph_status ph_effective_read(const char *path, ph_effective **out, ph_error *err);
 void ph_effective_free(ph_effective **effective);
@@ -134,6 +142,7 @@ ph_status ph_point_material_new(const ph_effective *effective, ph_point_material
 void ph_point_material_free(ph_point_material **material);
 int ph_point_components(const ph_point_material *material);
 size_t ph_point_state_size(const ph_point_material *material);
+ptrdiff_t ph_point_tangents(const ph_point_material *material, ptrdiff_t points);
 ph_status ph_points_update(const ph_point_material *material, ptrdiff_t points, double *state, const double *dstrain,
                            double dt, double *stress, double *tangent);
 typedef struct { const char *name; int id; int symmetry; double tolerance; bool nearest; ...; } ph_card_params;

@@ -21,10 +21,10 @@ from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from ._base import Error, _check, _enum, _owned, _take_text, _text, _view, _voigt
-from ._effective import Effective, MaterialPoint, Series
+from ._effective import DamageLaw, Effective, MaterialPoint, Series
 from ._perihom import ffi, lib
 
-__all__ = ["Case", "Effective", "Error", "Fields", "Material", "MaterialPoint", "Microstructure", "Relaxation", "Result",
+__all__ = ["Case", "DamageLaw", "Effective", "Error", "Fields", "Material", "MaterialPoint", "Microstructure", "Relaxation", "Result",
            "Series", "Superelement", "card", "catalogue", "catalogues", "homogenise", "relaxation", "run", "version"]
 
 _KINEMATICS = ("space", "generalised_strain", "strain", "stress")

@@ -71,22 +71,71 @@ class Series:
         return len(self.time)
 
 
-class Effective:
-    """An effective material: `stiffness` (of a viscoelastic one the instantaneous one) and
-    `relaxation`, a Series or None. From Effective.read(path), result.effective or, by hand,
-    Effective(stiffness) and Effective(series)."""
+class DamageLaw:
+    """Stiffness against one damage variable, and the loads that drive it (docs/material-point.md).
 
-    def __init__(self, material: Union[Series, Any]):
+    DamageLaw(strain, damage, stiffness, begin, end): direction of the load [n], d of the knots
+    [knots], Voigt matrices [knots][n][n], load factors of the segments [knots - 1].
+    """
+
+    def __init__(self, strain, damage, stiffness, begin, end):
+        out, err = ffi.new("ph_damage_law **"), ffi.new("ph_error *")
+        tensors = [_mandel(c) for c in stiffness]
+        damage, begin, end = [float(d) for d in damage], [float(x) for x in begin], [float(x) for x in end]
+        if len(tensors) != len(damage) or len(begin) + 1 != len(damage) or len(end) + 1 != len(damage):
+            raise ValueError("a damage law needs as many stiffnesses as damage, and one load less")
+        _check(lib.ph_damage_law_new(len(strain), ffi.new("double[]", [float(e) for e in strain]), len(damage),
+                                     ffi.new("double[]", damage), ffi.new("ph_sym4[]", tensors),
+                                     ffi.new("double[]", begin), ffi.new("double[]", end), out, err), err)
+        self._own(out[0])
+
+    def _own(self, pointer):
+        self._c = _owned(pointer, "ph_damage_law", lib.ph_damage_law_free)
+        knots = pointer.nknots
+        self.strain = np.array(list(pointer.strain[0:pointer.n]))
+        self.damage = np.array(list(pointer.damage[0:knots]))
+        self.stiffness = np.array([_voigt(pointer.stiffness[k]) for k in range(knots)])
+        self.begin, self.end = (np.array(list(x[0:knots - 1])) for x in (pointer.begin, pointer.end))
+        self.correction = pointer.correction
+
+    @classmethod
+    def _copy(cls, pointer) -> "DamageLaw":
+        out, err = ffi.new("ph_damage_law **"), ffi.new("ph_error *")
+        _check(lib.ph_damage_law_copy(pointer, out, err), err)
+        self = cls.__new__(cls)
+        self._own(out[0])
+        return self
+
+    def at(self, damage: float) -> np.ndarray:
+        """C(d), Voigt."""
+        return _voigt(lib.ph_damage_law_stiffness(self._c, damage))
+
+    def force(self, damage: float, strain) -> float:
+        """Thermodynamic force -1/2 strain : dC/dd : strain."""
+        if len(strain) != len(self.strain):
+            raise ValueError("strain must have %d components" % len(self.strain))
+        return lib.ph_damage_law_force(self._c, damage, ffi.new("double[]", [float(e) for e in strain]))
+
+
+class Effective:
+    """An effective material: `stiffness` (of a viscoelastic one the instantaneous one),
+    `relaxation`, a Series or None, and `damage`, a DamageLaw or None (`stiffness` is then the
+    last one). From Effective.read(path), result.effective or, by hand, Effective(stiffness),
+    Effective(series) and Effective(law)."""
+
+    def __init__(self, material: Union[Series, DamageLaw, Any]):
         series = material if isinstance(material, Series) else None
-        stiffness = series.instantaneous if series else material
+        law = material if isinstance(material, DamageLaw) else None
+        stiffness = series.instantaneous if series else law.stiffness[-1] if law else material
         c = ffi.new("ph_effective *")
         c.stiffness = _mandel(stiffness)
         c.kinematics = 0 if c.stiffness.n == 6 else 2
         c.density = float("nan")
-        self._set(c, series)
+        self._set(c, series, law)
 
-    def _set(self, c, series):
-        self._c, self.relaxation = c, series
+    def _set(self, c, series, law=None):
+        self._c, self.relaxation, self.damage = c, series, law
+        c.damage = law._c if law is not None else ffi.NULL
         if series is not None:
             c.relaxation, c.stiffness = series._c, lib.ph_prony_instantaneous(series._c)
 
@@ -96,10 +145,11 @@ class Effective:
         owner = _owned(pointer, "ph_effective", lib.ph_effective_free)
         if series is None and pointer.relaxation != ffi.NULL:
             series = Series._copy(pointer.relaxation)
+        law = DamageLaw._copy(pointer.damage) if pointer.damage != ffi.NULL else None
         c = ffi.new("ph_effective *", owner[0])
         c.relaxation = ffi.NULL
         self = cls.__new__(cls)
-        self._set(c, series)
+        self._set(c, series, law)
         return self
 
     @classmethod
@@ -141,7 +191,7 @@ class Effective:
 class MaterialPoint:
     """The effective material at the integration points of a macroscale code.
 
-    MaterialPoint(material): an Effective, a Result, a Relaxation, a Series, a path of a result
+    MaterialPoint(material): an Effective, a Result, a Relaxation, a Series, a DamageLaw, a path of a result
     document or a Voigt matrix.
 
         point = perihom.MaterialPoint("resin-results")
@@ -173,8 +223,9 @@ class MaterialPoint:
 
         state: [points][state_size], updated in place; dstrain: [points][components], Voigt,
         engineering shear; stress: where to put it, or None. Contiguous arrays of doubles are
-        used where they are. Returns stress [points][components] and the tangent, which is
-        that of all points: it depends on dt alone.
+        used where they are. Returns stress [points][components] and the tangent
+        [components][components], which is that of all points: it depends on dt alone; with a
+        damage law [points][components][components].
         """
         de = np.ascontiguousarray(dstrain, dtype=float)
         points = de.size // self.components
@@ -188,7 +239,8 @@ class MaterialPoint:
                 raise ValueError("%s must be a contiguous, writeable array of %d x %d doubles" % (name, points, size))
         if np.may_share_memory(stress, de):
             raise ValueError("stress and dstrain must not share memory")
-        tangent = np.empty((self.components, self.components))
+        each = (points,) if self.effective.damage is not None else ()
+        tangent = np.empty(each + (self.components, self.components))
         pointer = [ffi.cast("double *", a.ctypes.data) for a in (state, de, stress, tangent)]
         status = lib.ph_points_update(self._c, points, pointer[0], pointer[1], dt, pointer[2], pointer[3])
         if status:
