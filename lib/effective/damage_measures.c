@@ -71,6 +71,7 @@ void ph_i_damage_measures(ph_result *result)
     const ph_failure_path *p = result->failure;
     const int n = d->pristine.n;
     double strain[6] = {0}, from = 0.0;
+    ptrdiff_t broken = p ? p->step[0].broken : -1;
     const ph_sym4 *before =
         NULL; /* of load 0: the pristine one, but for initial cracks */
     for (int i = 0; p && i < n; i++)
@@ -78,7 +79,7 @@ void ph_i_damage_measures(ph_result *result)
     if (p && p->step[0].broken == 0) before = &d->pristine;
     for (int i = 0; i < d->nsteps; i++) {
         ph_damage_step *s = &d->step[i];
-        bool same = i > 0 && s->broken_bonds == s[-1].broken_bonds;
+        bool same = s->broken_bonds == broken;
         s->tangent = p && p->stress_free && !same ? unknown(n)
                      : before && !same
                          ? chord(before, &s->stiffness, strain, from, s->value)
@@ -87,5 +88,6 @@ void ph_i_damage_measures(ph_result *result)
         if (!p) continue;
         before = &s->stiffness;
         from = s->value;
+        broken = s->broken_bonds;
     }
 }
