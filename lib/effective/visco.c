@@ -193,6 +193,14 @@ out:
     return st;
 }
 
+/* Phases of one stiffness at once may relax differently: equal numbers are not enough. */
+static bool is_one_material(const ph_stiffness_map *map)
+{
+    for (ptrdiff_t x = 1; x < map->cells; x++)
+        if (map->index[x] != map->index[0]) return false;
+    return true;
+}
+
 /* Voigt, Reuss, or one phase everywhere: true once the model is there. */
 static ph_status without_equations(ph_visco *v, bool *done, ph_error *err)
 {
@@ -209,7 +217,7 @@ static ph_status without_equations(ph_visco *v, bool *done, ph_error *err)
         *done = true;
         return PH_OK;
     }
-    if (r->result->bond.present || !ph_i_run_is_homogeneous(r) ||
+    if (r->result->bond.present || !is_one_material(r->map) || r->setting.source ||
         r->map->index[0] >= r->map->materials)
         return PH_OK;
     PH_ALLOC(only, r->map->materials, "fractions");
