@@ -30,6 +30,7 @@
 #include <perihom/distribution.h>
 #include <perihom/effective.h>
 #include <perihom/error.h>
+#include <perihom/error_bar.h>
 #include <perihom/estimates.h>
 #include <perihom/failure.h>
 #include <perihom/family.h>

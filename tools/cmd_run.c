@@ -10,6 +10,7 @@
 #include "report.h"
 #include "tools.h"
 
+#include <perihom_error_bar.h>
 #include <string.h>
 
 typedef struct run_options {
@@ -94,6 +95,8 @@ static ph_status solve(run *r, ph_error *err)
         ph_case_relaxes(r->c)
             ? relaxation_solve(r->c, &problem, &ctx, &r->relaxation, &r->report, err)
             : ph_homogenise(&problem, &ctx, &r->result, err);
+    if (st == PH_OK && r->result)
+        st = ph_rve_error_bar(r->c, &problem, &ctx, r->result, err);
     progress_end(&p);
     return st;
 }

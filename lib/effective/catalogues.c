@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every catalogue of the library in one table. */
 #include <perihom/distribution.h>
+#include <perihom/error_bar.h>
 #include <perihom/estimates.h>
 #include <perihom/quantity.h>
 #include <perihom/viscoelastic.h>
@@ -32,6 +33,8 @@ static const ph_catalogue catalogues[] = {
      &ph_nrelaxation_routes, sizeof *ph_relaxation_routes},
     {"quantities", "scalars of a result, by name", ph_quantity_kinds, &ph_nquantity_kinds,
      sizeof *ph_quantity_kinds},
+    {"error_parts", "what an error bar is made of", ph_error_parts, &ph_nerror_parts,
+     sizeof *ph_error_parts},
     {NULL, NULL, NULL, NULL, 0},
 };
 

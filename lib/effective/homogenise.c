@@ -103,6 +103,7 @@ void ph_result_free(ph_result **result)
         free(res->fields[i].stress);
     }
     free(res->fields);
+    free(res->error_bar);
     ph_prony_free(&res->relaxation);
     ph_damage_free(&res->damage);
     ph_failure_path_free(&res->failure);

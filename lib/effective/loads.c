@@ -295,6 +295,7 @@ static ph_status refine(ph_run *r, ph_sym4 *c, ph_error *err)
     double least = (r->broken ? 1e-3 : 1e-6) * r->map->softest;
     double off = worst_correction(&r->second, c, least);
     r->result->converged = off <= 0.1;
+    r->result->second_order = true;
     r->result->stiffness = *c;
     PH_CHECK(r->result->converged, PH_ENOCONV,
              "the error of the stress averages is %.2g of the effective tensor: contrast "

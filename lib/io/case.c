@@ -7,9 +7,9 @@
 enum { MAX_FILE = 1 << 26 };
 
 static const char *const root_keys[] = {
-    "perihom",        "title",  "units",      "temperature", "materials",
-    "microstructure", "model",  "constraint", "solver",      "viscoelastic",
-    "output",         "cracks", "sequence",   "failure",     "loading"};
+    "perihom",  "title",      "units",   "temperature",  "materials", "microstructure",
+    "model",    "constraint", "solver",  "viscoelastic", "output",    "cracks",
+    "sequence", "failure",    "loading", "error_bar"};
 static const char *const unit_keys[] = {"length", "stress", "time", "temperature"};
 
 void ph_case_free(ph_case **c)
@@ -78,6 +78,7 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     PH_TRY(ph_i_read_failure(r, root, err));
     PH_TRY(ph_i_read_viscoelastic(r, ph_i_get(root, "viscoelastic"), err));
     ph_i_read_output(r, ph_i_get(root, "output"));
+    ph_i_read_error_bar(r, ph_i_get(root, "error_bar"));
 out:
     return st;
 }

@@ -190,6 +190,7 @@ void ph_i_read_model(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_constraint(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_solver(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_output(ph_i_reader *r, const ph_i_node *node);
+void ph_i_read_error_bar(ph_i_reader *r, const ph_i_node *node);
 
 #define PH_I_NAMES(array)                                                                \
     {                                                                                    \

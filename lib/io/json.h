@@ -6,6 +6,7 @@
 
 #include <perihom/case.h>
 #include <perihom/damage_law.h>
+#include <perihom/error_bar.h>
 
 #include "core/check.h"
 
@@ -51,6 +52,11 @@ json_t *ph_i_loading_to_json(const ph_case *c, bool *good);
 /** `effective.failure` (failure_json.c). */
 ph_status ph_i_json_failure(const ph_failure_path *path, json_t *effective,
                             json_t *reasons, ph_error *err);
+/** `error_bar`, `error_parts` and `richardson` of `quality`, with reasons; `error_bar` of
+ *  `cost` (error_bar_json.c). @param[in] bar NULL: an empty `error_bar` */
+ph_status ph_i_json_error_bar(const ph_error_bar *bar, json_t *quality, json_t *reasons,
+                              ph_error *err);
+ph_status ph_i_json_error_cost(const ph_error_bar *bar, json_t *cost, ph_error *err);
 /** `effective.damage` (damage_json.c). */
 ph_status ph_i_json_damage(const ph_result *result, json_t *effective, json_t *reasons,
                            ph_error *err);
@@ -60,6 +66,8 @@ ph_status ph_i_json_damage_law(const ph_result *result, json_t *damage, json_t *
                                ph_error *err);
 ph_status ph_i_json_read_damage_law(const json_t *from, int n, ph_damage_law **out,
                                     ph_error *err);
+/** `error_bar` (case_error_bar.c). */
+json_t *ph_i_error_bar_to_json(const ph_case *c, bool *good);
 /** A viscoelastic material and `viscoelastic` (case_viscoelastic_json.c). */
 json_t *ph_i_relaxation_to_json(const ph_case_relaxation *x, double density, bool *good);
 json_t *ph_i_viscoelastic_to_json(const ph_case_viscoelastic *v, bool *good);

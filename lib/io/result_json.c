@@ -459,13 +459,14 @@ static ph_status put_worth_and_cost(draft_document *d, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_result *r = d->result;
-    json_t *quality, *cost, *bar;
+    json_t *quality, *cost;
     PH_TRY(section(d->root, "quality", &quality, err));
     PH_TRY(put_real(d, quality, "quality", "hill_mandel", r->hill_mandel, err));
     PH_TRY(put_real(d, quality, "quality", "stabilisation_energy",
                     r->stabilisation_energy, err));
-    PH_TRY(section(quality, "error_bar", &bar, err));
+    PH_TRY(ph_i_json_error_bar(r->error_bar, quality, d->reasons, err));
     PH_TRY(section(d->root, "cost", &cost, err));
+    if (r->error_bar) PH_TRY(ph_i_json_error_cost(r->error_bar, cost, err));
     PH_TRY(put_real(d, cost, "cost", "seconds", r->seconds, err));
     PH_TRY(put_real(d, cost, "cost", "seconds_solve", r->seconds_solve, err));
     PH_TRY(ph_i_json_put(cost, "threads", json_integer(r->threads), err));

@@ -195,6 +195,7 @@ typedef struct ph_case {
     ph_constraint_params constraint;
     ph_solver_params solver;
     ph_case_viscoelastic viscoelastic;
+    unsigned error_parts; /* bit i: ph_error_parts[i] is estimated; 0: no error bars */
     bool fields;
 } ph_case;
 

@@ -143,10 +143,12 @@ typedef struct ph_result {
     int iterations[6];
     double residual[6];
     bool converged;
-    double hill_mandel;          /* worst load: |<s:e> - <s>:<e>| / |<s:e>|, the energy of
+    double hill_mandel;    /* worst load: |<s:e> - <s>:<e>| / |<s:e>|, the energy of
                                   * the stabilisation counted with <s:e> */
-    double strain_average;       /* worst load: |<e> - eps_bar| / |eps_bar| */
-    double asymmetry;            /* |C - C^T| / |C| before C was made symmetric */
+    double strain_average; /* worst load: |<e> - eps_bar| / |eps_bar| */
+    double asymmetry;      /* |C - C^T| / |C| before C was made symmetric */
+    bool
+        second_order; /* entries are energies of pairs of fields, not averages of stress */
     double stabilisation_energy; /* worst load: share of the total energy */
     /* why residuals and the four measures above are NaN; NULL: they were computed */
     const char *unchecked;
@@ -163,6 +165,9 @@ typedef struct ph_result {
 
     int nnotes;
     char notes[PH_MAX_NOTES][256]; /* choices of `auto`, warnings */
+
+    /* error bars, where somebody who solved companions put them; owned, or NULL */
+    struct ph_error_bar *error_bar;
 
     /* effective series, where somebody who solved the relaxation put it; owned, or NULL */
     ph_prony *relaxation;

@@ -8,6 +8,7 @@
 
 #include <perihom_calibrate.h>
 #include <perihom_campaign.h>
+#include <perihom_error_bar.h>
 #include <perihom_estimators.h>
 #include <perihom_trade.h>
 #include <signal.h>

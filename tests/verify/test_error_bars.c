@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Error bars hold the truth: random cases against the same on much finer grids, and cases
+ * that are exact. The whole study: docs/validation/error-bars.md. */
+#include "check.h"
+
+#include <perihom_error_bar.h>
+#include <stdarg.h>
+
+/* Solved, with its error bars where it asks for them. */
+static ph_result *solve(const char *text, ptrdiff_t nodes)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_case *c = NULL;
+    ph_microstructure *micro = NULL;
+    ph_crack_plan *plan = NULL;
+    ph_result *r = NULL;
+    CHECK_OK(ph_case_parse(text, strlen(text), "random", NULL, 0, &c, NULL, &err));
+    if (!c) return NULL;
+    for (int a = 0; a < 3 && nodes > 0; a++)
+        if (c->nodes[a] > 1) c->nodes[a] = nodes;
+    CHECK_OK(ph_rve_build(c, &micro, &err));
+    CHECK_OK(ph_rve_cracks(c, &plan, &err));
+    if (micro && plan) {
+        const ph_problem p = {.micro = micro,
+                              .interface = c->interface,
+                              .model = c->model,
+                              .constraint = c->constraint,
+                              .solver = c->solver,
+                              .cracks = &plan->cracks,
+                              .sequence = &plan->sequence};
+        const ph_ctx ctx = {.threads = 1};
+        CHECK_OK(ph_homogenise(&p, &ctx, &r, &err));
+        if (r && nodes == 0) CHECK_OK(ph_rve_error_bar(c, &p, &ctx, r, &err));
+    }
+    ph_crack_plan_free(&plan);
+    ph_microstructure_free(&micro);
+    ph_case_free(&c);
+    return r;
+}
+
+static int put(char *text, size_t size, const char *fmt, ...)
+{
+    size_t used = strlen(text);
+    va_list list;
+    va_start(list, fmt);
+    int n = vsnprintf(text + used, size - used, fmt, list);
+    va_end(list);
+    return n;
+}
+
+/* A shape of the dimension, anywhere, not small; the contrast between 1e-2 and 1e3. */
+static void random_case(uint64_t *seed, int dim, int kind, ptrdiff_t n, char *text,
+                        size_t size)
+{
+    static const char *const planes[] = {"generalised_strain", "strain", "stress"};
+    double x = check_uniform(seed, 0, 1), y = check_uniform(seed, 0, 1),
+           z = check_uniform(seed, 0, 1), a = check_uniform(seed, 0.2, 0.4),
+           b = a * check_uniform(seed, 0.4, 1), t = check_uniform(seed, 0, 180);
+    text[0] = 0;
+    put(text, size,
+        "perihom: 1\nmaterials: {m: {E: 1, nu: %.3f}, i: {E: %.6g, nu: %.3f}}\n"
+        "microstructure:\n  dimension: %d\n  size: [1, 1%s]\n  nodes: [%td, %td",
+        check_uniform(seed, 0.05, 0.45), pow(10, check_uniform(seed, -2, 3)),
+        check_uniform(seed, 0.05, 0.45), dim, dim == 3 ? ", 1" : "", n, n);
+    if (dim == 3) put(text, size, ", %td", n);
+    put(text, size, "]\n  matrix: m\n");
+    if (dim == 2) put(text, size, "  plane: %s\n", planes[(int)(3 * check_random(seed))]);
+    put(text, size, "  inclusions:\n    - {material: i, ");
+    if (dim == 2 && kind % 3 == 0)
+        put(text, size, "shape: disk, centre: [%g, %g], radius: %g}\n", x, y, a);
+    else if (dim == 2 && kind % 3 == 1)
+        put(text, size,
+            "shape: ellipse, centre: [%g, %g], semi_axes: [%g, %g], angle: %g}\n", x, y,
+            a, b, t);
+    else if (dim == 2)
+        put(text, size, "shape: box, centre: [%g, %g], size: [%g, %g], angle: %g}\n", x,
+            y, 2 * a, 2 * b, t);
+    else
+        put(text, size, "shape: sphere, centre: [%g, %g, %g], radius: %g}\n", x, y, z, a);
+}
+
+/* Constants whose bars hold them, of those that have one; the widths over the errors. */
+typedef struct tally {
+    int n, held;
+    double ratio[600];
+} tally;
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The truth from the grids 4 and 8 times as fine, extrapolated: what is left is a tenth of the
+ * error or less. */
+static void count(const char *text, ptrdiff_t n, tally *t)
+{
+    ph_result *r = solve(text, 0), *fine = solve(text, 4 * n),
+              *finer = solve(text, 8 * n);
+    ph_error_evidence none = {.result = finer, .parts = 1};
+    ph_error_evidence some = {.result = fine, .parts = 1};
+    ph_error err = PH_ERROR_INIT;
+    static ph_error_bar a, b;
+    if (r && r->error_bar && fine && finer) {
+        CHECK_OK(ph_error_bar_estimate(&some, &a, &err));
+        CHECK_OK(ph_error_bar_estimate(&none, &b, &err));
+        for (int i = 0; i < r->error_bar->count && t->n < 600; i++) {
+            const ph_error_constant *k = &r->error_bar->constant[i];
+            double truth = 2 * b.constant[i].value - a.constant[i].value;
+            double off = fabs(k->value - truth) / fabs(k->value);
+            if (!isfinite(k->bar)) continue;
+            t->held += off <= k->bar;
+            t->ratio[t->n++] = k->bar / fmax(off, 1e-12);
+        }
+    } else
+        CHECK(0);
+    ph_result_free(&r);
+    ph_result_free(&fine);
+    ph_result_free(&finer);
+}
+
+/* 30 cases, some 300 constants. Constants of one case miss together, so that the counts are
+ * those of fewer trials, some three a case: of 90 trials of 95 % at least 79 hold in 99.9 %
+ * of all samples (binomial), 88 %. The median width is less than 5 errors in the study and
+ * 5.2 to 5.7 of these shapes alone: 7. */
+static void test_holds_the_truth(void **state)
+{
+    (void)state;
+    uint64_t seed = check_seed();
+    static tally t;
+    char text[1024];
+    t = (tally){0};
+    for (int i = 0; i < 30; i++) {
+        int dim = i < 28 ? 2 : 3;
+        ptrdiff_t n = dim == 2 ? 10 : 4;
+        random_case(&seed, dim, i, n, text, sizeof text);
+        count(text, n, &t);
+    }
+    qsort(t.ratio, (size_t)t.n, sizeof *t.ratio, ascending);
+    print_message("%d of %d bars hold the truth, median width %.2f errors\n", t.held, t.n,
+                  t.ratio[t.n / 2]);
+    CHECK(t.n > 200);
+    CHECK(t.held >= 0.88 * t.n);
+    CHECK(t.ratio[t.n / 2] <= 7);
+    CHECK_END();
+}
+
+/* Layers are exact on every grid that sees only its own cells, and so is one material: what is
+ * left is the solver. */
+static void test_exact_cases(void **state)
+{
+    (void)state;
+    static const char *const inclusions[] = {
+        "{shape: layer, normal: 1, from: 0.21, to: 0.7, material: i}",
+        "{shape: disk, centre: [0.5, 0.5], radius: 0.3, material: m}"};
+    for (int i = 0; i < 2; i++) {
+        char text[512] = "";
+        put(text, sizeof text,
+            "perihom: 1\nmaterials: {m: {E: 1, nu: 0.3}, i: {E: 30, nu: 0.2}}\n"
+            "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [16, "
+            "16], "
+            "matrix: m, inclusions: [%s]}\nsolver: {tolerance: 1e-10}\n",
+            inclusions[i]);
+        ph_result *r = solve(text, 0);
+        const ph_error_constant *k = r ? ph_error_bar_find(r->error_bar, "E1") : NULL;
+        CHECK(k && k->bar < 1e-7 && k->part[0] < 1e-7);
+        ph_result_free(&r);
+    }
+    CHECK_END();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_holds_the_truth),
+        cmocka_unit_test(test_exact_cases),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
