@@ -29,6 +29,8 @@ ph_status ph_homogenise_estimate(const ph_problem *problem, ph_estimate *out,
     ph_status st = PH_OK;
     ph_run r = {.problem = problem};
     double doubles, ns;
+    ph_sym4 exact;
+    char why[64];
     PH_CHECK(out, PH_EINVAL, "NULL estimate");
     memset(out, 0, sizeof *out);
     PH_TRY(ph_i_run_begin(&r, err));
@@ -40,7 +42,7 @@ ph_status ph_homogenise_estimate(const ph_problem *problem, ph_estimate *out,
         out->nodes = ph_grid_cells(&r.setting.box);
         out->unknowns = out->nodes * ph_displacements(r.result->grid.kinematics);
         out->bytes = (size_t)(8.0 * doubles * nodes) + r.meter.peak;
-        if (!ph_i_run_is_homogeneous(&r))
+        if (!ph_i_run_closed_form(&r, &exact, why))
             out->seconds = 1e-9 * ns * nodes * loads * expected_iterations(r.map);
     }
     out->nnotes = r.result->nnotes;

@@ -87,7 +87,7 @@ static ph_status solve_step(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     r->result->nloads = 0;
-    r->result->loads = 0;
+    r->result->loads = r->result->solved = 0;
     r->result->converged = false;
     PH_TRY(ph_i_run_loads(r, err));
     PH_TRY(ph_i_run_stiffness(r, err));

@@ -113,27 +113,6 @@ void ph_result_free(ph_result **result)
     *result = NULL;
 }
 
-/* Cells mixed of one material differ by so much. */
-static const double round_off = 1e-14;
-
-bool ph_i_run_is_homogeneous(const ph_run *r)
-{
-    const ph_stiffness_map *map = r->map;
-    const int n = map->ns * map->ns;
-    const double *first = map->c + (ptrdiff_t)map->index[0] * n;
-    double off = 0.0, size = 0.0;
-    if (r->setting.source) return false;
-    for (int i = 0; i < n; i++)
-        size = fmax(size, fabs(first[i]));
-    for (ptrdiff_t x = 1; x < map->cells; x++) {
-        const double *c = map->c + (ptrdiff_t)map->index[x] * n;
-        for (int i = 0; c != first && i < n; i++)
-            off = fmax(off, fabs(c[i] - first[i]));
-        if (off > round_off * size) return false;
-    }
-    return true;
-}
-
 unsigned ph_i_run_all_loads(const ph_result *res)
 {
     return (1u << ph_strains(res->grid.kinematics)) - 1u;
@@ -346,6 +325,17 @@ void ph_i_work_add(ph_work *sum, const ph_work *more)
     sum->peak_bytes = larger(sum->peak_bytes, more->peak_bytes);
 }
 
+/* Cracks, held nodes and fields of every load have a load solved for each column, and so do
+ * second-order entries, which take the fields of all of them. */
+static ph_status find_symmetry(ph_run *r, ph_error *err)
+{
+    bool plain = !r->setting.source && !r->setting.fixed && !r->broken &&
+                 !r->result->bond.present && !r->problem->keep_fields;
+    r->symmetry = ph_i_symmetry_none(r->map->ns);
+    if (!plain || ph_i_run_second_order(r)) return PH_OK;
+    return ph_i_symmetry_find(&r->setting.box, r->map, &r->symmetry, err);
+}
+
 static ph_status answer(ph_run *r, double *solving, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -365,11 +355,13 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
         return PH_OK;
     }
     PH_TRY(ph_i_run_prepare(r, err));
-    if (!r->problem->keep_fields && !res->bond.present && !r->broken &&
-        ph_i_run_is_homogeneous(r)) {
-        analytic_answer(res, &res->voigt, "the cell is homogeneous");
+    ph_sym4 exact;
+    char why[64];
+    if (ph_i_run_closed_form(r, &exact, why)) {
+        analytic_answer(res, &exact, why);
         return PH_OK;
     }
+    PH_TRY(find_symmetry(r, err));
     PH_TRY(ph_i_run_build(r, err));
     double start = ph_i_run_now();
     r->keep_fields = r->problem->keep_fields;

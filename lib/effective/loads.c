@@ -108,10 +108,10 @@ out:
  * <e_a : C : e_b> = <sigma_b>_a - u_a . r_b, is off by the product of their errors only. */
 static const double second_order_contrast = 1e3;
 
-static bool second_order(const ph_run *r)
+bool ph_i_run_second_order(const ph_run *r)
 {
     return (r->map->contrast > second_order_contrast || r->broken) &&
-           !r->constraint->by_stress && !r->op->bonds &&
+           !r->constraint->by_stress && !(r->op && r->op->bonds) &&
            (!r->problem->loads || r->problem->loads == ph_i_run_all_loads(r->result));
 }
 
@@ -202,7 +202,7 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     res->iterations[res->nloads] = report.iterations;
     res->residual[res->nloads++] = report.residual;
     if (st != PH_OK && st != PH_ENOCONV) return st;
-    if (st == PH_OK && macro && second_order(r))
+    if (st == PH_OK && macro && ph_i_run_second_order(r))
         PH_TRY(keep_residual(r, load, macro, err));
     if (r->kept[load]) memcpy(r->u, r->kept[load], size);
     if (r->first[load]) memcpy(r->first[load], r->u, size);
@@ -213,6 +213,18 @@ out:
     return st;
 }
 
+static void say_symmetry(const ph_run *r)
+{
+    unsigned more = r->result->loads & ~r->result->solved;
+    int follow = 0;
+    for (int a = 0; a < r->map->ns; a++)
+        follow += (int)(more >> a & 1u);
+    if (follow)
+        ph_i_note(r->result,
+                  "loads: %d of the columns follow from the %d symmetries of the cell",
+                  follow, r->symmetry.count);
+}
+
 ph_status ph_i_run_loads(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -221,6 +233,7 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
              loads = r->problem->loads ? r->problem->loads & all : all;
     int count = 0, number = 0;
     if (r->constraint->by_stress) loads = all; /* the compliance is inverted as a whole */
+    if (r->symmetry.count) loads = ph_i_symmetry_loads(&r->symmetry, loads);
     for (int a = 0; a < r->map->ns; a++)
         count += (loads >> a & 1) != 0;
     if (!res->fields) PH_ALLOC(res->fields, count, "fields");
@@ -228,8 +241,12 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
     for (int a = 0; a < r->map->ns; a++) {
         if (!((loads >> a) & 1)) continue;
         PH_TRY(solve_load(r, a, ++number, count, err));
+        res->solved |= 1u << a;
         res->loads |= 1u << a;
     }
+    if (r->symmetry.count)
+        res->loads = ph_i_symmetry_complete(&r->symmetry, res->solved, &r->columns);
+    say_symmetry(r);
     res->converged = true;
 out:
     return st;
@@ -285,7 +302,7 @@ static ph_status refine(ph_run *r, ph_sym4 *c, ph_error *err)
 {
     ph_status st = PH_OK;
     int ns = r->map->ns;
-    if (!second_order(r)) return PH_OK;
+    if (!ph_i_run_second_order(r)) return PH_OK;
     for (int b = 0; b < ns; b++)
         for (int a = 0; a <= b; a++) {
             r->second.m[b][a] = r->second.m[a][b];

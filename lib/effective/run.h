@@ -3,6 +3,7 @@
 #ifndef PH_EFFECTIVE_RUN_H
 #define PH_EFFECTIVE_RUN_H
 
+#include "effective/symmetry.h"
 #include "model/models.h"
 #include "solve/solver.h"
 
@@ -19,9 +20,10 @@ typedef struct ph_run {
     ph_stiffness_map *map;
     ph_operator_params params;
     ph_family *family;
-    ph_bond_classes *classes; /* model bond, or NULL */
-    ph_broken *broken;        /* with cracks, or NULL */
-    double *first[6];         /* guesses of the loads: the last step's fields, or NULL */
+    ph_bond_classes *classes;  /* model bond, or NULL */
+    ph_broken *broken;         /* with cracks, or NULL */
+    ph_cell_symmetry symmetry; /* count 0: not looked for */
+    double *first[6];          /* guesses of the loads: the last step's fields, or NULL */
     ph_operator *op;
     ph_system system;
     const ph_solver_method *solver;
@@ -55,8 +57,9 @@ void ph_i_run_account(ph_run *run, double start, double solving);
 void ph_i_work_add(ph_work *sum, const ph_work *more);
 /** Release everything but the result. */
 void ph_i_run_clear(ph_run *run);
-/** All cells hold the same stiffness and nothing around them is held or missing. */
-bool ph_i_run_is_homogeneous(const ph_run *run);
+/** The effective tensor of a cell that needs no equations: one stiffness everywhere, or layers
+ *  of a periodic cell; false where equations are to be solved. @param[out] why [64] */
+bool ph_i_run_closed_form(const ph_run *run, ph_sym4 *stiffness, char *why);
 unsigned ph_i_run_all_loads(const ph_result *result);
 
 /** Node of the RVE at a node of the box that is solved, or -1: it is outside. */
@@ -85,6 +88,8 @@ ph_status ph_i_run_iterate(ph_run *run, const double *load, double *u,
  *  a guess [nd][cells] or NULL. @param[out] report iterations and residual */
 ph_status ph_i_run_solve(ph_run *run, const double *macro, bool by_stress,
                          const double *guess, ph_cg_report *report, ph_error *err);
+/** Are the entries of the tensor refined with the fields of all loads? */
+bool ph_i_run_second_order(const ph_run *run);
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);
 ph_status ph_i_run_stiffness(ph_run *run, ph_error *err);

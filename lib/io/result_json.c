@@ -413,7 +413,7 @@ static ph_status put_solver(draft_document *d, ph_error *err)
     PH_TRY(put_text(solver, "kind", r->solver, err));
     PH_TRY(put_text(solver, "route", r->route, err));
     for (int a = 0; a < r->stiffness.n; a++)
-        if (r->loads >> a & 1u)
+        if (r->solved >> a & 1u)
             PH_TRY(
                 ph_i_json_add(loads, ph_i_json_text(load_name(r->stiffness.n, a)), err));
     for (int i = 0; i < r->nloads && i < 6; i++) {

@@ -124,7 +124,8 @@ typedef struct ph_work {
 typedef struct ph_result {
     ph_grid grid;
     ph_sym4 stiffness; /* effective, Mandel; column a is load a, zero where not solved */
-    unsigned loads;    /* which columns were solved */
+    unsigned loads;    /* which columns are there */
+    unsigned solved;   /* of which loads; the other columns follow by symmetry */
     ph_sym4 voigt, reuss;
     bool reuss_is_zero; /* a void phase: the lower bound is zero */
     int nmaterials;

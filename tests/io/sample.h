@@ -131,7 +131,7 @@ static inline ph_result *sample_result(const ph_microstructure *micro, ph_points
     assert_int_equal(ph_sym4_reduce(&c, kin, &r->stiffness, &err), PH_OK);
     assert_int_equal(ph_sym4_reduce(&stiff, kin, &r->voigt, &err), PH_OK);
     assert_int_equal(ph_sym4_reduce(&soft, kin, &r->reuss, &err), PH_OK);
-    r->loads = n == 6 ? 63 : 7;
+    r->loads = r->solved = n == 6 ? 63 : 7;
     r->nmaterials = micro->nmaterials;
     r->names = calloc((size_t)micro->nmaterials, sizeof *r->names);
     r->fractions = calloc((size_t)micro->nmaterials, sizeof *r->fractions);

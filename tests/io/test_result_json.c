@@ -209,7 +209,7 @@ static void test_unsolved_loads_are_null_columns(void **state)
     (void)state;
     ph_microstructure *micro = sample_micro(PH_SPACE);
     ph_result *r = sample_result(micro, PH_POINTS_NODES, 0);
-    r->loads = 1u << 0 | 1u << 5;
+    r->loads = r->solved = 1u << 0 | 1u << 5;
     r->nloads = 2;
     for (int k = 0; k < 36; k++)
         if (!(r->loads >> k % 6 & 1u)) r->stiffness.m[k / 6][k % 6] = 0;

@@ -14,7 +14,7 @@ static const char disk[] =
     "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.2}}\n"
     "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [16, 16], "
     "matrix: m,\n"
-    "  inclusions: [{shape: disk, centre: [0.45, 0.55], radius: 0.3, material: f}]}\n"
+    "  inclusions: [{shape: disk, centre: [0.45, 0.6], radius: 0.3, material: f}]}\n"
     "model: {kind: nosb, points: nodes, horizon: 1}\n";
 
 /* A case and what of it is solved. */
