@@ -34,6 +34,7 @@
 #include <perihom/estimates.h>
 #include <perihom/failure.h>
 #include <perihom/family.h>
+#include <perihom/fe2.h>
 #include <perihom/fit.h>
 #include <perihom/history.h>
 #include <perihom/homogenise.h>

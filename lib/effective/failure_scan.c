@@ -86,12 +86,12 @@ void ph_i_scan_free(ph_scan **scan)
 
 /* ---- one bond ---------------------------------------------------------------------------- */
 
-double ph_i_scan_pull(const ph_scan *s, const double *u, ptrdiff_t x, ptrdiff_t b,
-                      ptrdiff_t y)
+static double pull(const ph_scan *s, const double *macro, const double *u, ptrdiff_t x,
+                   ptrdiff_t b, ptrdiff_t y)
 {
     const double *xi = s->strengths->broken->family->xi[b];
     const ph_layout *l = &s->run->op->layout;
-    double sum = ph_i_springs_stretch(l->ns == 3 ? 2 : 3, xi, s->macro);
+    double sum = ph_i_springs_stretch(l->ns == 3 ? 2 : 3, xi, macro);
     for (int a = 0; a < l->nd; a++)
         sum += xi[a] * (u[a * l->cells + y] - u[a * l->cells + x]);
     return sum;
@@ -108,7 +108,13 @@ static bool stays_inside(const ph_scan *s, const ptrdiff_t at[3], const int o[3]
     return true;
 }
 
-/* Cell that a bond leads to. */
+double ph_i_scan_pull(const ph_scan *s, const double *u, ptrdiff_t x, ptrdiff_t b,
+                      ptrdiff_t y)
+{
+    return pull(s, s->macro, u, x, b, y);
+}
+
+/* Cell that a bond leads to, -1: none that could break. */
 static ptrdiff_t end_of(const ph_scan *s, const ptrdiff_t at[3], ptrdiff_t b)
 {
     const int *o = s->strengths->broken->family->offset[b];
@@ -118,20 +124,30 @@ static ptrdiff_t end_of(const ph_scan *s, const ptrdiff_t at[3], ptrdiff_t b)
            s->wrap[2][at[2] + o[2]];
 }
 
-/* Load at which bond h of the half family breaks. What holds the RVE does not break: bonds
+/* Critical stretch of bond h of the half family. What holds the RVE does not break: bonds
  * that leave it, and those between two nodes that are held. */
+static double critical_stretch(const ph_scan *s, ptrdiff_t x, ptrdiff_t h, ptrdiff_t y)
+{
+    const uint8_t *held = s->run->setting.fixed;
+    if (y < 0 || (held && held[x] && held[y])) return INFINITY;
+    return s->critical ? s->critical[x * s->nhalf + h]
+                       : ph_i_strength(s->strengths, x, s->half[h], y);
+}
+
+static double length2(const ph_scan *s, ptrdiff_t h)
+{
+    const double *xi = s->strengths->broken->family->xi[s->half[h]];
+    return xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2];
+}
+
+/* Load at which it breaks. */
 static double critical_load(const ph_scan *s, const double *u, double sign, ptrdiff_t x,
                             ptrdiff_t h, ptrdiff_t y)
 {
-    ptrdiff_t b = s->half[h];
-    const uint8_t *held = s->run->setting.fixed;
-    const double *xi = s->strengths->broken->family->xi[b];
-    if (y < 0 || (held && held[x] && held[y])) return INFINITY;
-    double length2 = xi[0] * xi[0] + xi[1] * xi[1] + xi[2] * xi[2];
-    double critical = s->critical ? s->critical[x * s->nhalf + h]
-                                  : ph_i_strength(s->strengths, x, b, y);
-    double stretch = sign * ph_i_scan_pull(s, u, x, b, y) / length2;
-    return stretch > 0.0 && isfinite(critical) ? critical / stretch : (double)INFINITY;
+    double critical = critical_stretch(s, x, h, y);
+    if (!isfinite(critical)) return INFINITY;
+    double stretch = sign * ph_i_scan_pull(s, u, x, s->half[h], y) / length2(s, h);
+    return stretch > 0.0 ? critical / stretch : (double)INFINITY;
 }
 
 static bool is_intact(const ph_scan *s, ptrdiff_t place, ptrdiff_t h)
@@ -161,6 +177,34 @@ double ph_i_scan_least(ph_scan *s, const double *u, double sign)
             if (is_intact(s, place, h))
                 mine = fmin(mine,
                             critical_load(s, u, sign, x, h, end_of(s, at, s->half[h])));
+        s->least[x] = mine;
+    }
+    for (ptrdiff_t x = 0; x < s->cells; x++)
+        least = fmin(least, s->least[x]);
+    return least;
+}
+
+double ph_i_scan_reach(ph_scan *s, const double *u, const double *du,
+                       const double *dmacro)
+{
+    double least = INFINITY;
+#pragma omp parallel for num_threads(s->run->threads) schedule(static)
+    for (ptrdiff_t x = 0; x < s->cells; x++) {
+        ptrdiff_t at[3], place = ph_i_broken_place(s->strengths->broken, x);
+        double mine = INFINITY;
+        cell_at(s, x, at);
+        for (ptrdiff_t h = 0; h < s->nhalf; h++) {
+            if (!is_intact(s, place, h)) continue;
+            const ptrdiff_t b = s->half[h], y = end_of(s, at, b);
+            const double critical = critical_stretch(s, x, h, y) * length2(s, h);
+            if (!isfinite(critical)) continue;
+            const double missing = critical - ph_i_scan_pull(s, u, x, b, y);
+            const double rate = pull(s, dmacro, du, x, b, y);
+            if (missing <= 0.0)
+                mine = 0.0;
+            else if (rate > 0.0)
+                mine = fmin(mine, missing / rate);
+        }
         s->least[x] = mine;
     }
     for (ptrdiff_t x = 0; x < s->cells; x++)

@@ -30,6 +30,10 @@ void ph_i_scan_free(ph_scan **scan);
 /** Least load > 0 at which an intact bond breaks, where u [nd][cells] belongs to the unit
  *  load times sign; INFINITY: none. Cost: bonds. The same bits for any number of threads. */
 double ph_i_scan_least(ph_scan *scan, const double *u, double sign);
+/** Least t >= 0 at which an intact bond breaks, where its displacement is u + t du and the macro
+ *  strain scan->macro + t dmacro; INFINITY: none. Cost and bits as above. */
+double ph_i_scan_reach(ph_scan *scan, const double *u, const double *du,
+                       const double *dmacro);
 /** Collect the bonds whose critical load, as last scanned, is not above `most`. */
 ph_status ph_i_scan_pick(ph_scan *scan, const double *u, double sign, double most,
                          ph_error *err);

@@ -505,6 +505,20 @@ out:
     return st;
 }
 
+ph_status ph_i_stepper_take(ph_stepper *s, double dt, const double *du,
+                            const double *dmacro, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(set_tangent(s, dt, err));
+    memcpy(s->du, du, sizeof(double) * (size_t)s->unknowns);
+    memset(s->dmacro, 0, sizeof s->dmacro);
+    memset(s->dtraction, 0, sizeof s->dtraction);
+    memcpy(s->dmacro, dmacro, sizeof(double) * (size_t)s->ns);
+    PH_TRY(ph_i_stepper_accept(s, err));
+out:
+    return st;
+}
+
 /* ---- what a step says -------------------------------------------------------------------- */
 
 /* Bending of a strain over a step: q_m gets tau dt (1 - (1 - exp(-x)) (1/x + 1/2)) times its
@@ -609,7 +623,8 @@ out:
     return st;
 }
 
-ph_status ph_i_stepper_tangent(ph_stepper *s, double dt, ph_sym4 *tangent, ph_error *err)
+ph_status ph_i_stepper_tangent(ph_stepper *s, double dt, ph_sym4 *tangent,
+                               double *const *field, ph_error *err)
 {
     ph_status st = PH_OK;
     *tangent = (ph_sym4){.n = s->ns};
@@ -629,6 +644,7 @@ ph_status ph_i_stepper_tangent(ph_stepper *s, double dt, ph_sym4 *tangent, ph_er
         PH_TRY(ph_i_stepper_response(s, response, stress, err));
         for (int i = 0; i < s->ns; i++)
             tangent->m[i][a] = response[i];
+        if (field) memcpy(field[a], s->du, sizeof(double) * (size_t)s->unknowns);
     }
 out:
     return st;

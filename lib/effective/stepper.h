@@ -99,10 +99,15 @@ ph_status ph_i_stepper_error(ph_stepper *s, unsigned bends, double *error, ph_er
 void ph_i_stepper_corner(ph_stepper *s);
 /** Take the step. */
 ph_status ph_i_stepper_accept(ph_stepper *s, ph_error *err);
+/** Take a step of dt whose increment is known. @param[in] du [unknowns] dmacro [ns] Mandel */
+ph_status ph_i_stepper_take(ph_stepper *s, double dt, const double *du,
+                            const double *dmacro, ph_error *err);
 /** Means of the state. */
 ph_status ph_i_stepper_state(ph_stepper *s, ph_step_state *out, ph_error *err);
-/** d response / d load of a step of dt: ns solves. The step that is tried is lost. */
-ph_status ph_i_stepper_tangent(ph_stepper *s, double dt, ph_sym4 *tangent, ph_error *err);
+/** d response / d load of a step of dt: ns solves. The step that is tried is lost.
+ *  @param[out] field [ns] of [unknowns], increments of the unit loads; or NULL */
+ph_status ph_i_stepper_tangent(ph_stepper *s, double dt, ph_sym4 *tangent,
+                               double *const *field, ph_error *err);
 /** At rest again, at time 0. */
 void ph_i_stepper_reset(ph_stepper *s);
 

@@ -121,7 +121,7 @@ static double scale_of(const march *m, const double *response)
 static ph_status new_tangent(march *m, double dt, const double *dload, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_TRY(ph_i_stepper_tangent(m->s, dt, &m->tangent, err));
+    PH_TRY(ph_i_stepper_tangent(m->s, dt, &m->tangent, NULL, err));
     PH_TRY(ph_i_stepper_begin(m->s, dt, err));
     PH_TRY(ph_i_stepper_solve(m->s, dload, err));
 out:

@@ -167,6 +167,12 @@ out:
     return st;
 }
 
+void ph_i_broken_heal(ph_broken *br)
+{
+    br->damaged = br->pairs = 0;
+    if (br->slots) fill_slots(br);
+}
+
 /* ---- order ------------------------------------------------------------------------------- */
 
 typedef struct moved {

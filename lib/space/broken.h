@@ -35,6 +35,8 @@ void ph_i_broken_free(ph_broken **broken);
 /** Break the bond `b` of a node, and so the opposite bond of its other end. Breaking it
  *  again does nothing. @return PH_OK; PH_ENOMEM */
 ph_status ph_i_break(ph_broken *broken, ptrdiff_t node, ptrdiff_t b, ph_error *err);
+/** All bonds whole again; what was made of the broken ones is to be made anew. */
+void ph_i_broken_heal(ph_broken *broken);
 /** Place of a node in the list, or -1: it has all its bonds. */
 ptrdiff_t ph_i_broken_place(const ph_broken *broken, ptrdiff_t node);
 /** Sort the nodes, so that sums over them do not depend on the order in which bonds broke.

@@ -297,8 +297,52 @@ def damage_laws():
         assert np.allclose(stress[0], s["stress"], atol=1e-4 * 3000 * 0.01)  # the solver's tolerance is 1e-6
 
 
+def fe2():
+    resin = perihom.Material.viscoelastic("resin", bulk=(4.0, [(3.0, 1.0)]), shear=(0.1, [(0.2, 1.0), (5.0, 0.8)]))
+    phase = np.zeros((8, 8), int)
+    one = perihom.Microstructure([resin], phase, plane="strain")
+    law, rve = perihom.MaterialPoint(perihom.relaxation(one)), perihom.FE2(one)
+    de = np.array([[1, 0.2, -0.5], [0, 1, 1]]) * 1e-3
+    state, at = law.state(2), rve.points(2)
+    del one  # borrowed by the library, kept by the RVE
+    gc.collect()
+    for dt in (0.0, 0.3, 0.3, 100.0):
+        stress, tangent = at.update(de, dt)
+        want, T = law.update(state, de, dt)
+        at.accept()
+        assert np.allclose(stress, want, rtol=0, atol=1e-13) and np.allclose(tangent, T, rtol=0, atol=1e-11)
+    assert np.allclose(at.strain, 4 * de) and np.array_equal(at.stress, stress) and np.allclose(at.time, 100.6)
+    saved = at.save()
+    first, _ = at.update(de, 1.0)
+    at.reject()
+    at.restore(saved)
+    assert np.array_equal(at.update(de, 1.0)[0], first)
+    assert rve.counts["solves"] == 0 and rve.kind == "viscoelastic" and "viscoelastic" in repr(rve)
+
+    phase[2:6, 2:6] = 1
+    a, b = (perihom.Material.isotropic(name, E, 1 / 3) for name, E in (("a", 1.0), ("b", 10.0)))
+    brittle = perihom.FE2(perihom.Microstructure([a, b], phase, plane="stress"), model="bond", horizon=2.0,
+                          strengths={"a": {"critical_stretch": 0.01}, "b": {"unbreakable": True}})
+    at = brittle.points(3)
+    pull = np.array([[0, 0.001, 0], [0, 0.02, 0], [0, 0.02, 0]])
+    stress, tangent = at.update(pull)
+    at.accept()
+    assert at.broken_bonds[0] == 0 and at.broken_bonds[1] > 0 and at.dissipated[1] > 0
+    assert np.array_equal(stress[1], stress[2]) and np.allclose(stress, np.einsum("pij,pj->pi", tangent, pull))
+    assert brittle.counts["hits"] == 0 and brittle.counts["states"] == 3  # virgin, and two histories
+    whole = perihom.FE2(blob())
+    assert np.allclose(whole.points(1).update(np.eye(6)[:1])[0], perihom.homogenise(blob()).stiffness[0])
+    raises(ValueError, lambda: at.update(np.zeros((2, 3))), "(3, 3)")
+    raises(ValueError, lambda: perihom.FE2(blob(), strengths={"glue": {}}), "glue")
+    raises(ValueError, lambda: perihom.FE2(blob(), strengths={"soft": {"glue": 1}}), "glue")
+    raises(ValueError, lambda: at.restore([b""]), "1 states for 3")
+    raises(perihom.Error, lambda: at.restore([b"x" * 500] * 3), "no state")
+    raises(perihom.Error, lambda: at.update(pull, -1.0), "dt")
+    raises(TypeError, lambda: perihom.FE2(blob(), kappa=1), "kappa")
+
+
 tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
-         threads_do_not_meet, cards_and_catalogues, material_points, damage_laws, relaxing_composites, superelements]
+         threads_do_not_meet, cards_and_catalogues, material_points, damage_laws, relaxing_composites, superelements, fe2]
 failed = 0
 for number, test in enumerate(tests, 1):
     try:

@@ -74,8 +74,12 @@ typedef struct { const char *kind; int points; double horizon; bool horizon_is_l
                  const char *weights; int stabilisation; double stabilisation_value; double kappa; ...; } ph_model_params;
 typedef struct { const char *kind; double tolerance; int max_iterations; ...; } ph_solver_params;
 typedef struct { const char *kind; int collar; ...; } ph_constraint_params;
+typedef struct { bool given; int criterion; double value, fracture_energy, weibull; ...; } ph_failure_rule;
+typedef struct { const ph_failure_rule *material; ph_failure_rule interphase, agglomeration; uint64_t seed, realisation;
+                 ...; } ph_failure;
 typedef struct { const ph_microstructure *micro; int interface; ph_model_params model;
-                 ph_constraint_params constraint; ph_solver_params solver; unsigned loads; bool keep_fields; ...; } ph_problem;
+                 ph_constraint_params constraint; ph_solver_params solver; unsigned loads; bool keep_fields;
+                 const ph_failure *failure; ...; } ph_problem;
 typedef struct { int load; double macro_strain[6]; int nu, ns; double *displacement, *strain, *stress; ...; } ph_fields;
 typedef struct { long loads, iterations, applications, ffts; ptrdiff_t collar; size_t history_variables, bond_bits,
                  peak_bytes; } ph_work;
@@ -99,7 +103,7 @@ void ph_viscoelastic_free(ph_viscoelastic **v);
 typedef struct { bool given; const char *route; double tolerance; ...; } ph_case_viscoelastic;
 typedef struct { char title[...]; int nmaterials; ph_material *materials; int kinematics; uint64_t seed, realisation;
                  int interface; ph_model_params model; ph_constraint_params constraint; ph_solver_params solver;
-                 ph_case_viscoelastic viscoelastic; bool fields; ...; } ph_case;
+                 ph_case_viscoelastic viscoelastic; bool fields; ph_failure failure; ...; } ph_case;
 typedef struct { int line; bool warning; char message[...]; ...; } ph_case_issue;
 typedef struct { size_t count; ph_case_issue *item; ...; } ph_case_issues;
 void ph_case_issues_free(ph_case_issues *issues);
@@ -154,6 +158,28 @@ typedef struct { int kinematics; int nd; ptrdiff_t nodes; double (*position)[3];
 ph_status ph_superelement_new(const ph_problem *problem, const ph_ctx *ctx, ph_superelement **out, ph_error *err);
 void ph_superelement_free(ph_superelement **element);
 ph_status ph_superelement_to_mtx(const ph_superelement *element, char **text, ph_error *err);
+
+typedef struct ph_fe2 ph_fe2;
+typedef struct ph_fe2_point ph_fe2_point;
+typedef struct { size_t cache_bytes; int tangents; double window; ...; } ph_fe2_params;
+ph_status ph_fe2_new(const ph_problem *problem, const ph_fe2_params *params, const ph_ctx *ctx, ph_fe2 **out, ph_error *err);
+void ph_fe2_free(ph_fe2 **fe2);
+int ph_fe2_kind_of(const ph_fe2 *fe2);
+int ph_fe2_components(const ph_fe2 *fe2);
+ph_status ph_fe2_point_new(ph_fe2 *fe2, ph_fe2_point **out, ph_error *err);
+void ph_fe2_point_free(ph_fe2_point **point);
+ph_status ph_fe2_update_all(ph_fe2_point *const *point, ptrdiff_t points, const double *dstrain, double dt, double *stress,
+                            double *tangent, const ph_ctx *ctx, ph_error *err);
+ph_status ph_fe2_accept_all(ph_fe2_point *const *point, ptrdiff_t points, const ph_ctx *ctx, ph_error *err);
+void ph_fe2_reject(ph_fe2_point *point);
+typedef struct { double time, strain[6], stress[6]; long increments; ptrdiff_t broken_bonds, events; double dissipated;
+                 ...; } ph_fe2_state;
+ph_status ph_fe2_point_state(const ph_fe2_point *point, ph_fe2_state *out, ph_error *err);
+size_t ph_fe2_point_bytes(const ph_fe2_point *point);
+ph_status ph_fe2_point_save(const ph_fe2_point *point, void *memory, size_t bytes, ph_error *err);
+ph_status ph_fe2_point_restore(ph_fe2_point *point, const void *memory, size_t bytes, ph_error *err);
+typedef struct { long updates, hits, solves, iterations, tangents, events, states; size_t bytes; ...; } ph_fe2_counts;
+void ph_fe2_counts_get(ph_fe2 *fe2, ph_fe2_counts *out);
 
 ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err);
 

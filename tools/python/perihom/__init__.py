@@ -7,7 +7,7 @@
     result.engineering["E1"]
 
 The effective material in a macroscale code: MaterialPoint(result) updates many integration
-points at once. Tensors are NumPy arrays in Voigt order with engineering shear (2D: 11 22 12). Fields and the
+points at once; FE2(micro) has an RVE at each of them. Tensors are NumPy arrays in Voigt order with engineering shear (2D: 11 22 12). Fields and the
 phases of a microstructure are views of the memory of the library: no copies, alive as long as
 their object. Long calls release the interpreter, so threads may solve different problems.
 """
@@ -20,17 +20,17 @@ from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
-from ._base import Error, _check, _enum, _owned, _take_text, _text, _view, _voigt
+from ._base import Error, _check, _owned, _take_text, _text, _view, _voigt
 from ._effective import DamageLaw, Effective, MaterialPoint, Series
+from ._fe2 import FE2, Points
 from ._perihom import ffi, lib
+from ._solve import _call, _problem
 
-__all__ = ["Case", "DamageLaw", "Effective", "Error", "Fields", "Material", "MaterialPoint", "Microstructure", "Relaxation", "Result",
-           "Series", "Superelement", "card", "catalogue", "catalogues", "homogenise", "relaxation", "run", "version"]
+__all__ = ["Case", "DamageLaw", "Effective", "Error", "FE2", "Fields", "Material", "MaterialPoint", "Microstructure",
+           "Points", "Relaxation", "Result", "Series", "Superelement", "card", "catalogue", "catalogues", "homogenise",
+           "relaxation", "run", "version"]
 
 _KINEMATICS = ("space", "generalised_strain", "strain", "stress")
-_POINTS = {"auto": 0, "nodes": 1, "stress": 2}
-_STABILISATION = {"auto": 0, "spectral": 1, "subpoint": 2, "none": 3}
-_INTERFACE = {"composite": 0, "node_centre": 1}
 
 version = ffi.string(lib.ph_version()).decode()
 
@@ -429,20 +429,6 @@ class Result:
 
 # ---- solving -----------------------------------------------------------------------------
 
-_running: dict = {}
-
-
-@ffi.def_extern(error=False)
-def perihom_progress(user, now):
-    state = ffi.from_handle(user)
-    try:
-        go_on = state["call"](now.load, now.loads, now.iteration, now.residual)
-        return go_on is not False
-    except BaseException as error:  # comes back to the caller of homogenise
-        state["error"] = error
-        return False
-
-
 def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Optional[str] = None,
                points: Optional[str] = None, horizon: Optional[float] = None, constraint: Optional[str] = None,
                solver: Optional[str] = None, interface: Optional[str] = None, tolerance: Optional[float] = None,
@@ -539,61 +525,6 @@ class Superelement:
         out, err = ffi.new("char **"), ffi.new("ph_error *")
         _check(lib.ph_superelement_to_mtx(self._c, out, err), err)
         return _take_text(out)
-
-
-def _problem(micro, case, model=None, points=None, horizon=None, constraint=None, solver=None, interface=None,
-             tolerance=None, loads=None, fields=None):
-    """A ph_problem and what it borrows."""
-    problem = ffi.new("ph_problem *")
-    keep = []
-
-    def word(value):
-        keep.append(ffi.new("char[]", value.encode()))
-        return keep[-1]
-
-    problem.micro = micro._c
-    if case is not None:
-        problem.interface, problem.model = case._c.interface, case._c.model
-        problem.constraint, problem.solver = case._c.constraint, case._c.solver
-        problem.keep_fields = case._c.fields
-    if model is not None:
-        problem.model.kind = word(model)
-    if points is not None:
-        problem.model.points = _enum("points", points, _POINTS)
-    if horizon is not None:
-        problem.model.horizon, problem.model.horizon_is_length = horizon, False
-    if constraint is not None:
-        problem.constraint.kind = word(constraint)
-    if solver is not None:
-        problem.solver.kind = word(solver)
-    if interface is not None:
-        problem.interface = _enum("interface", interface, _INTERFACE)
-    if tolerance is not None:
-        problem.solver.tolerance = tolerance
-    if fields is not None:
-        problem.keep_fields = fields
-    for load in loads if loads is not None else ():
-        if not 0 <= load < 6:
-            raise ValueError("a load is 0 to 5, got %r" % load)
-        problem.loads |= 1 << load
-    return problem, keep
-
-
-def _call(solve, threads: int, progress, free) -> None:
-    """Runs a solve: progress and cancelling, the interpreter released, errors raised."""
-    ctx = ffi.new("ph_ctx *")
-    ctx.threads = threads
-    state = {"call": progress, "error": None}
-    handle = ffi.new_handle(state)
-    if progress is not None:
-        ctx.progress, ctx.user = lib.perihom_progress, handle
-    err = ffi.new("ph_error *")
-    status = solve(ctx, err)
-    if status or state["error"] is not None:
-        free()
-    if state["error"] is not None:
-        raise state["error"]
-    _check(status, err)
 
 
 def run(path: Union[str, os.PathLike], sets: Optional[Mapping[str, Any]] = None, **options) -> Result:

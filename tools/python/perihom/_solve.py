@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a solve of the library is called: its problem, progress, interruption."""
+from __future__ import annotations
+
+from ._base import _check, _enum
+from ._perihom import ffi, lib
+
+_POINTS = {"auto": 0, "nodes": 1, "stress": 2}
+_INTERFACE = {"composite": 0, "node_centre": 1}
+
+
+@ffi.def_extern(error=False)
+def perihom_progress(user, now):
+    state = ffi.from_handle(user)
+    try:
+        go_on = state["call"](now.load, now.loads, now.iteration, now.residual)
+        return go_on is not False
+    except BaseException as error:  # comes back to the caller of homogenise
+        state["error"] = error
+        return False
+
+
+def _problem(micro, case, model=None, points=None, horizon=None, constraint=None, solver=None, interface=None,
+             tolerance=None, loads=None, fields=None):
+    """A ph_problem and what it borrows."""
+    problem = ffi.new("ph_problem *")
+    keep = []
+
+    def word(value):
+        keep.append(ffi.new("char[]", value.encode()))
+        return keep[-1]
+
+    problem.micro = micro._c
+    if case is not None:
+        problem.interface, problem.model = case._c.interface, case._c.model
+        problem.constraint, problem.solver = case._c.constraint, case._c.solver
+        problem.keep_fields = case._c.fields
+    if model is not None:
+        problem.model.kind = word(model)
+    if points is not None:
+        problem.model.points = _enum("points", points, _POINTS)
+    if horizon is not None:
+        problem.model.horizon, problem.model.horizon_is_length = horizon, False
+    if constraint is not None:
+        problem.constraint.kind = word(constraint)
+    if solver is not None:
+        problem.solver.kind = word(solver)
+    if interface is not None:
+        problem.interface = _enum("interface", interface, _INTERFACE)
+    if tolerance is not None:
+        problem.solver.tolerance = tolerance
+    if fields is not None:
+        problem.keep_fields = fields
+    for load in loads if loads is not None else ():
+        if not 0 <= load < 6:
+            raise ValueError("a load is 0 to 5, got %r" % load)
+        problem.loads |= 1 << load
+    return problem, keep
+
+
+def _call(solve, threads: int, progress, free) -> None:
+    """Runs a solve: progress and cancelling, the interpreter released, errors raised."""
+    ctx = ffi.new("ph_ctx *")
+    ctx.threads = threads
+    state = {"call": progress, "error": None}
+    handle = ffi.new_handle(state)
+    if progress is not None:
+        ctx.progress, ctx.user = lib.perihom_progress, handle
+    err = ffi.new("ph_error *")
+    status = solve(ctx, err)
+    if status or state["error"] is not None:
+        free()
+    if state["error"] is not None:
+        raise state["error"]
+    _check(status, err)
