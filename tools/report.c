@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "report.h"
 
+#include <perihom/error_bar.h>
+
 #include "damage.h"
 #include "failure.h"
 
@@ -61,13 +63,20 @@ static void put_head(FILE *to, const ph_case *c, const ph_result *r)
 }
 
 /* A row of the table; what is NaN is left out, a row without value is not printed. */
-static void put_constant(FILE *to, const char *name, double value, const char *unit,
-                         double lower, double upper)
+static void put_constant(FILE *to, const ph_result *r, const char *name, double value,
+                         const char *unit, double lower, double upper)
 {
     if (isnan(value)) return;
+    const ph_error_constant *x =
+        r->error_bar ? ph_error_bar_find(r->error_bar, name) : NULL;
+    char bar[32] = "";
+    if (x && !isnan(x->bar)) snprintf(bar, sizeof bar, "+- %.2g", 100 * x->bar);
     fprintf(to, "  %-5s %12.5g", name, value);
     if (!isnan(upper))
-        fprintf(to, "  %-6s  %10.5g .. %.5g", unit, isnan(lower) ? 0.0 : lower, upper);
+        fprintf(to, "  %-6s  %-9s  %9.5g .. %.5g", unit, bar, isnan(lower) ? 0.0 : lower,
+                upper);
+    else if (bar[0])
+        fprintf(to, "  %-6s  %s", "", bar);
     fputc('\n', to);
 }
 
@@ -90,18 +99,20 @@ static void put_engineering(FILE *to, const char *stress, const ph_result *r)
         fprintf(to, "\nno engineering constants: the stiffness has no inverse\n");
         return;
     }
-    fprintf(to, "\nengineering constants          Reuss .. Voigt\n");
+    fprintf(to, "\nengineering constants       %s       Reuss .. Voigt\n",
+            r->error_bar ? "+- [%]" : "      ");
     for (int i = 0; i < 3; i++)
-        put_constant(to, (char[]){'E', (char)('1' + i), 0}, e.E[i], stress, low.E[i],
+        put_constant(to, r, (char[]){'E', (char)('1' + i), 0}, e.E[i], stress, low.E[i],
                      up.E[i]);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             if (i != j)
-                put_constant(to, (char[]){'n', 'u', (char)('1' + i), (char)('1' + j), 0},
+                put_constant(to, r,
+                             (char[]){'n', 'u', (char)('1' + i), (char)('1' + j), 0},
                              e.nu[i][j], "", NAN, NAN);
-    put_constant(to, "G23", e.G23, stress, low.G23, up.G23);
-    put_constant(to, "G13", e.G13, stress, low.G13, up.G13);
-    put_constant(to, "G12", e.G12, stress, low.G12, up.G12);
+    put_constant(to, r, "G23", e.G23, stress, low.G23, up.G23);
+    put_constant(to, r, "G13", e.G13, stress, low.G13, up.G13);
+    put_constant(to, r, "G12", e.G12, stress, low.G12, up.G12);
     const ph_isotropic iso = ph_nearest_isotropic(&r->stiffness, r->grid.kinematics);
     fprintf(to, "  nearest isotropic: E %.5g %s, nu %.4f; distance %.2g\n", iso.E, stress,
             iso.nu, iso.distance);
@@ -127,6 +138,14 @@ static void put_stiffness(FILE *to, const char *stress, const ph_result *r)
         }
         fputc('\n', to);
     }
+}
+
+/* A part without which there is no bar says why it is not there. */
+static void put_no_error_bar(FILE *to, const ph_error_bar *bar)
+{
+    for (size_t p = 0; bar && p < ph_nerror_parts; p++)
+        if (ph_error_parts[p].needed && bar->why[p][0])
+            fprintf(to, "note        no error bar: %s\n", bar->why[p]);
 }
 
 static void put_solver(FILE *to, const ph_result *r)
@@ -155,6 +174,7 @@ static void put_solver(FILE *to, const ph_result *r)
             r->threads == 1 ? "" : "s");
     for (int i = 0; i < r->nnotes; i++)
         fprintf(to, "note        %s\n", r->notes[i]);
+    put_no_error_bar(to, r->error_bar);
 }
 
 void report_result(FILE *to, const ph_case *c, const ph_result *result)

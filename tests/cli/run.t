@@ -14,8 +14,8 @@ $ perihom run small.yaml
 > model       nosb*
 > phases      matrix 0.5300, fibre 0.4700
 >
-> engineering constants          Reuss .. Voigt
->   E1    *GPa*..*
+> engineering constants       +- \[%]       Reuss .. Voigt
+>   E1    *GPa     +- *..*
 > *stiffness \[GPa], Voigt 11 22 33 23 13 12, engineering shear*
 > solver      *; iterations *; residual *
 > quality     Hill-Mandel *
