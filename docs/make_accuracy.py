@@ -75,11 +75,11 @@ def study(program, folder, seed):
     text, dim = random_case(seed)
     path = folder / f"case-{seed}.yaml"
     path.write_text(text)
-    fine = trade(program, path, "--knobs", "nodes", "--finest", "384" if dim == 2 else "64")
+    fine = trade(program, path, "--knobs", "nodes", "--finest", "256" if dim == 2 else "48")
     values = fine["reference"]["values"]
     given = ",".join(f"{k}={v!r}" for k, v in values.items())
     found = trade(program, path, "--knobs", "nodes,points,interface,model,tolerance", "--reference", given,
-                  "--finest", "128" if dim == 2 else "32")
+                  "--finest", "96" if dim == 2 else "24")
     rows = found["rows"] + fine["rows"]
     return {"seed": seed, "dimension": dim, "reference": values, "reference_error": fine["reference"]["error"],
             "advice": found["advice"], "rows": rows, "fidelity": [fidelity(program, folder, text, t, seed) for t in TARGETS]}
@@ -94,7 +94,7 @@ def fidelity(program, folder, text, target, seed):
     if code:
         return {"target": target, "code": code, "message": err}
     result = json.loads(out)
-    return {"target": target, "code": 0, "fidelity": result.get("fidelity")}
+    return {"target": target, "code": 0, "fidelity": result["fidelity"], "engineering": result["effective"]["engineering"]}
 
 
 def main():

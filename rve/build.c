@@ -193,3 +193,21 @@ ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err)
     ph_packing_free(&packing);
     return st;
 }
+
+ph_problem ph_rve_problem(const ph_case *c, const ph_microstructure *micro,
+                          const ph_crack_plan *plan)
+{
+    if (!c) return (ph_problem){0};
+    return (ph_problem){
+        .micro = micro,
+        .interface = c->interface,
+        .model = c->model,
+        .constraint = c->constraint,
+        .solver = c->solver,
+        .keep_fields = c->fields,
+        .cracks = plan ? &plan->cracks : NULL,
+        .sequence = plan ? &plan->sequence : NULL,
+        .failure = c->failure.material ? &c->failure : NULL,
+        .loading = c->loading.ntargets ? &c->loading : NULL,
+    };
+}

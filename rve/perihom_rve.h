@@ -96,6 +96,11 @@ PH_API void ph_crack_plan_free(ph_crack_plan **plan);
  *  Tested: tests/unit/test_cracks.c */
 PH_API ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err);
 
+/** The problem that a case poses on its microstructure and cracks (or NULL); borrows all
+ *  three. */
+PH_API ph_problem ph_rve_problem(const ph_case *c, const ph_microstructure *micro,
+                                 const ph_crack_plan *plan);
+
 /** A shape of random filler of the case file. */
 typedef struct ph_filler_shape {
     ph_entry info;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
+#include "fidelity.h"
 #include "memory.h"
 #include "report.h"
 #include "tools.h"
@@ -191,20 +192,23 @@ static ph_status check_case(const ph_case *c, bool json, ph_error *err)
     ph_crack_plan *plan = NULL;
     json_t *resolved = NULL;
     ph_estimate e = {0};
+    ph_fidelity_plan fidelity = {0};
     PH_TRY(memory_check_cells(c, case_solves(c), err));
     PH_TRY(ph_rve_build(c, &micro, err));
     PH_TRY(ph_rve_cracks(c, &plan, err));
-    const ph_problem problem = case_problem(c, micro, plan);
+    const ph_problem problem = ph_rve_problem(c, micro, plan);
     PH_TRY(ph_homogenise_estimate(&problem, &e, err));
     PH_TRY(ph_case_to_json(c, &text, err));
     resolved = json_loads(text, 0, NULL);
     fraction = calloc((size_t)micro->nmaterials + 1, sizeof *fraction);
     PH_CHECK(fraction && resolved, PH_ENOMEM, "no memory for the resolved case");
     ph_microstructure_fractions(micro, fraction);
+    if (c->accuracy.relative > 0) PH_TRY(ph_fidelity_plan_case(c, &fidelity, err));
     if (json)
         PH_TRY(print_json(resolved, micro, fraction, &e, err));
     else
         print_text(resolved, c, micro, fraction, &e);
+    if (!json && c->accuracy.relative > 0) fidelity_print_plan(stdout, c, &fidelity);
 out:
     json_decref(resolved);
     free(fraction);

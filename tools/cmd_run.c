@@ -3,6 +3,7 @@
 #include "damage.h"
 #include "destination.h"
 #include "failure.h"
+#include "fidelity.h"
 #include "interrupt.h"
 #include "memory.h"
 #include "progress.h"
@@ -66,7 +67,8 @@ typedef struct run {
     char *case_json;
     ph_microstructure *micro;
     ph_crack_plan *plan;
-    ph_result *result;           /* of an elastic case */
+    ph_result *result;     /* of an elastic case */
+    ph_fidelity *fidelity; /* of one that asks for an accuracy: it owns its result */
     ph_viscoelastic *relaxation; /* of one that relaxes, with what is reported of it */
     ph_relaxation_report *report;
     char *json;
@@ -74,7 +76,10 @@ typedef struct run {
 
 static void run_free(run *r)
 {
-    ph_result_free(&r->result);
+    if (r->fidelity)
+        ph_fidelity_free(&r->fidelity);
+    else
+        ph_result_free(&r->result);
     ph_viscoelastic_free(&r->relaxation);
     ph_relaxation_report_free(&r->report);
     ph_microstructure_free(&r->micro);
@@ -89,7 +94,7 @@ static ph_status solve(run *r, ph_error *err)
     const run_options *o = r->options;
     progress p;
     progress_start(&p, progress_choose(o->quiet, o->verbose, o->progress));
-    const ph_problem problem = case_problem(r->c, r->micro, r->plan);
+    const ph_problem problem = ph_rve_problem(r->c, r->micro, r->plan);
     const ph_ctx ctx = {.progress = progress_step, .user = &p, .threads = o->threads};
     ph_status st =
         ph_case_relaxes(r->c)
@@ -107,6 +112,22 @@ static void talk_work(const ph_work *w)
          "%td nodes of collar, %zu history variables, %zu bond bits",
          w->loads, w->iterations, w->applications, w->ffts, w->collar,
          w->history_variables, w->bond_bits);
+}
+
+/* To an accuracy: the microstructure is that of the grid that was chosen. */
+static ph_status solve_to_accuracy(run *r, ph_error *err)
+{
+    const run_options *o = r->options;
+    progress p;
+    progress_start(&p, progress_choose(o->quiet, o->verbose, o->progress));
+    const ph_ctx ctx = {.progress = progress_step, .user = &p, .threads = o->threads};
+    ph_status st = ph_fidelity_solve(r->c, &ctx, &r->fidelity, err);
+    progress_end(&p);
+    if (!r->fidelity) return st;
+    r->result = r->fidelity->result;
+    r->micro = r->fidelity->micro;
+    r->fidelity->micro = NULL;
+    return st;
 }
 
 static ph_status stop_if_interrupted(ph_error *err)
@@ -152,6 +173,8 @@ static ph_status print_result(run *r, ph_error *err)
     if (r->relaxation)
         PH_TRY(
             ph_viscoelastic_to_json(r->relaxation, r->report, r->c, NULL, &r->json, err));
+    else if (r->fidelity)
+        PH_TRY(ph_fidelity_to_json(r->fidelity, r->c, NULL, &r->json, err));
     else
         PH_TRY(ph_result_to_json(r->result, r->c, NULL, &r->json, err));
     if (r->options->json)
@@ -160,6 +183,21 @@ static ph_status print_result(run *r, ph_error *err)
         relaxation_print(stdout, r->c, r->relaxation, r->report);
     else
         report_result(stdout, r->c, r->result);
+    if (r->fidelity && !r->options->json) fidelity_print(stdout, r->fidelity);
+out:
+    return st;
+}
+
+/* The grid that the case gives. */
+static ph_status solve_as_given(run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(ph_rve_build(r->c, &r->micro, err));
+    PH_TRY(stop_if_interrupted(err));
+    PH_TRY(ph_rve_cracks(r->c, &r->plan, err));
+    const ph_problem problem = ph_rve_problem(r->c, r->micro, r->plan);
+    PH_TRY(memory_check_problem(&problem, err));
+    st = solve(r, err);
 out:
     return st;
 }
@@ -171,12 +209,7 @@ static ph_status run_case(run *r, ph_error *err)
     PH_TRY(destination_check(r->dir, r->case_json, r->options->force, err));
     interrupt_install();
     PH_TRY(memory_check_cells(r->c, case_solves(r->c), err));
-    PH_TRY(ph_rve_build(r->c, &r->micro, err));
-    PH_TRY(stop_if_interrupted(err));
-    PH_TRY(ph_rve_cracks(r->c, &r->plan, err));
-    const ph_problem problem = case_problem(r->c, r->micro, r->plan);
-    PH_TRY(memory_check_problem(&problem, err));
-    st = solve(r, err);
+    st = r->c->accuracy.relative > 0 ? solve_to_accuracy(r, err) : solve_as_given(r, err);
     if (st == PH_ENOCONV && r->result) {
         /* The report says how far it got; the exit code and stderr say that it failed. */
         ph_error ignored = PH_ERROR_INIT;

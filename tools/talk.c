@@ -57,20 +57,3 @@ bool case_solves(const ph_case *c)
     return strcmp(c->constraint.kind, "voigt") != 0 &&
            strcmp(c->constraint.kind, "reuss") != 0;
 }
-
-ph_problem case_problem(const ph_case *c, const ph_microstructure *micro,
-                        const ph_crack_plan *plan)
-{
-    return (ph_problem){
-        .micro = micro,
-        .interface = c->interface,
-        .model = c->model,
-        .constraint = c->constraint,
-        .solver = c->solver,
-        .keep_fields = c->fields,
-        .cracks = &plan->cracks,
-        .sequence = &plan->sequence,
-        .failure = c->failure.material ? &c->failure : NULL,
-        .loading = c->loading.ntargets ? &c->loading : NULL,
-    };
-}

@@ -50,8 +50,5 @@ int case_load(const char *path, const text_list *sets, ph_case **out);
 void talk_issues(const char *path, const ph_case_issues *issues);
 /** Whether a case has equations to solve: not for the bounds of Voigt and Reuss. */
 bool case_solves(const ph_case *c);
-/** The problem that a case poses on its microstructure and cracks; borrows all three. */
-ph_problem case_problem(const ph_case *c, const ph_microstructure *micro,
-                        const ph_crack_plan *plan);
 
 #endif

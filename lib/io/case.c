@@ -9,7 +9,7 @@ enum { MAX_FILE = 1 << 26 };
 static const char *const root_keys[] = {
     "perihom",  "title",      "units",   "temperature",  "materials", "microstructure",
     "model",    "constraint", "solver",  "viscoelastic", "output",    "cracks",
-    "sequence", "failure",    "loading", "error_bar"};
+    "sequence", "failure",    "loading", "error_bar",    "accuracy",  "budget"};
 static const char *const unit_keys[] = {"length", "stress", "time", "temperature"};
 
 void ph_case_free(ph_case **c)
@@ -68,6 +68,7 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     if (title) ph_i_read_text(r, title, sizeof r->c->title, r->c->title);
     read_units(r, root);
     ph_i_read_temperature(r, root);
+    r->automatic = ph_i_get(root, "accuracy") != NULL;
     PH_TRY(ph_i_read_materials(r, root, err));
     PH_TRY(ph_i_read_microstructure(r, root, err));
     ph_i_read_model(r, ph_i_get(root, "model"));
@@ -79,6 +80,7 @@ static ph_status read_case(ph_i_reader *r, const ph_i_node *root, ph_error *err)
     PH_TRY(ph_i_read_viscoelastic(r, ph_i_get(root, "viscoelastic"), err));
     ph_i_read_output(r, ph_i_get(root, "output"));
     ph_i_read_error_bar(r, ph_i_get(root, "error_bar"));
+    ph_i_read_accuracy(r, root);
 out:
     return st;
 }

@@ -42,6 +42,7 @@ typedef struct ph_i_reader {
     ph_i_names materials; /* names in the case's order; count 0: section unusable */
     const char **material_names; /* owned: the array of `materials` */
     int dimension;               /* 2, 3, or 0 where the case does not say */
+    bool automatic;              /* `accuracy` is there: nodes need not be */
 } ph_i_reader;
 
 /* ---- case_yaml.c */
@@ -191,6 +192,8 @@ void ph_i_read_constraint(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_solver(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_output(ph_i_reader *r, const ph_i_node *node);
 void ph_i_read_error_bar(ph_i_reader *r, const ph_i_node *node);
+/** `accuracy` and `budget`, after everything else. */
+void ph_i_read_accuracy(ph_i_reader *r, const ph_i_node *root);
 
 #define PH_I_NAMES(array)                                                                \
     {                                                                                    \

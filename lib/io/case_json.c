@@ -239,6 +239,7 @@ static json_t *case_to_json(const ph_case *c, bool *good)
                       ph_i_viscoelastic_to_json(&c->viscoelastic, good), good);
     ph_i_json_set(map, "output", output, good);
     ph_i_json_set(map, "error_bar", ph_i_error_bar_to_json(c, good), good);
+    ph_i_accuracy_to_json(c, map, good);
     return map;
 }
 

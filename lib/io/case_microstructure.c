@@ -60,14 +60,31 @@ static bool read_grid(ph_i_reader *r, const ph_i_node *node, ptrdiff_t *nodes)
     return true;
 }
 
+/* A grid to begin with, its cells as cubic as the box allows. */
+static void choose_nodes(ph_case *c, int dimension)
+{
+    enum { LONGEST = 16 };
+    double longest = 0;
+    for (int a = 0; a < dimension; a++)
+        longest = c->size[a] > longest ? c->size[a] : longest;
+    for (int a = 0; a < dimension && longest > 0; a++) {
+        ptrdiff_t n = (ptrdiff_t)(LONGEST * c->size[a] / longest + 0.5);
+        c->nodes[a] = n < 2 ? 2 : n;
+    }
+    if (dimension == 2) c->nodes[2] = 1;
+}
+
 static void read_nodes(ph_i_reader *r, const ph_i_node *map, bool voxels)
 {
     const char *rule = r->dimension == 3 ? "must be a list of 3 integers from 1 to 65536"
                                          : "must be a list of 2 integers from 1 to 65536";
-    const ph_i_node *node =
-        voxels ? ph_i_get(map, "nodes") : ph_i_need(r, map, "nodes", rule);
+    const ph_i_node *node = voxels || r->automatic ? ph_i_get(map, "nodes")
+                                                   : ph_i_need(r, map, "nodes", rule);
     const ph_i_node *drawn = ph_i_get(map, "drawn_on");
-    if (node) read_grid(r, node, r->c->nodes);
+    if (node)
+        read_grid(r, node, r->c->nodes);
+    else if (r->automatic && !voxels)
+        choose_nodes(r->c, r->dimension);
     if (drawn && !ph_i_is_null(drawn) && read_grid(r, drawn, r->c->drawn_on) &&
         !ph_i_get(map, "fillers"))
         ph_i_complain(r, drawn, PH_EINVAL, "belongs to fillers, and there are none");

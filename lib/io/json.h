@@ -71,6 +71,8 @@ json_t *ph_i_error_bar_to_json(const ph_case *c, bool *good);
 /** A viscoelastic material and `viscoelastic` (case_viscoelastic_json.c). */
 json_t *ph_i_relaxation_to_json(const ph_case_relaxation *x, double density, bool *good);
 json_t *ph_i_viscoelastic_to_json(const ph_case_viscoelastic *v, bool *good);
+/** `accuracy` and `budget`, and no setting that is left open (case_accuracy.c). */
+void ph_i_accuracy_to_json(const ph_case *c, json_t *map, bool *good);
 /** Where a result was made: version, git, compiler, libraries, processor, date, command
  *  (may be NULL). */
 ph_status ph_i_json_provenance(const char *command, json_t **out, ph_error *err);

@@ -158,6 +158,26 @@ typedef struct ph_sequence_entry {
     int *which;
 } ph_sequence_entry;
 
+/** Settings that `accuracy` leaves to perihom unless the case gives them. */
+enum {
+    PH_SETTING_NODES = 1,
+    PH_SETTING_POINTS = 2,
+    PH_SETTING_HORIZON = 4,
+    PH_SETTING_INTERFACE = 8,
+    PH_SETTING_TOLERANCE = 16,
+    PH_SETTING_MODEL = 32
+};
+enum { PH_ACCURACY_CONSTANTS = 16 };
+
+/** `accuracy` and `budget` of a case file: what is wanted in place of settings. */
+typedef struct ph_case_accuracy {
+    double relative; /* error of the worst constant; 0: not asked for */
+    int nconstants;  /* 0: the engineering constants of the kinematics */
+    char constant[PH_ACCURACY_CONSTANTS][96]; /* names of quantities */
+    double seconds, memory; /* budget, wall clock and bytes; 0: no end */
+    unsigned given; /* settings that the case gives, which stay: PH_SETTING_NODES ... */
+} ph_case_accuracy;
+
 /** A case file, parsed and checked. Owns its arrays; everything else is a value. */
 typedef struct ph_case {
     char path[512];   /* as given, or "" */
@@ -196,6 +216,7 @@ typedef struct ph_case {
     ph_solver_params solver;
     ph_case_viscoelastic viscoelastic;
     unsigned error_parts; /* bit i: ph_error_parts[i] is estimated; 0: no error bars */
+    ph_case_accuracy accuracy;
     bool fields;
 } ph_case;
 

@@ -111,16 +111,9 @@ ph_status ph_i_scenario_solve(const ph_scenario *s, const ph_ctx *ctx, ph_result
     mine.failure.realisation = s->realisation;
     PH_TRY(ph_rve_build(&mine, &micro, err));
     PH_TRY(ph_rve_cracks(&mine, &plan, err));
-    ph_problem problem = {.micro = micro,
-                          .interface = mine.interface,
-                          .model = mine.model,
-                          .constraint = mine.constraint,
-                          .solver = mine.solver,
-                          .cracks = &plan->cracks,
-                          .sequence = &plan->sequence,
-                          .failure = mine.failure.material ? &mine.failure : NULL,
-                          .loading = mine.loading.ntargets ? &mine.loading : NULL,
-                          .loads = ph_scenario_loads(s)};
+    ph_problem problem = ph_rve_problem(&mine, micro, plan);
+    problem.loads = ph_scenario_loads(s);
+    problem.keep_fields = false;
     /* No load: the bounds need none, and the result has the fractions. */
     if (problem.loads == 0) problem.constraint = (ph_constraint_params){.kind = "voigt"};
     PH_TRY(solve(s, &problem, ctx, out, err));

@@ -10,6 +10,7 @@
 #include <perihom_campaign.h>
 #include <perihom_error_bar.h>
 #include <perihom_estimators.h>
+#include <perihom_fidelity.h>
 #include <perihom_trade.h>
 #include <signal.h>
 #include <sys/wait.h>

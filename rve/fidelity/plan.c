@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which settings to begin with, from what the case is. */
+#include "fidelity/fidelity.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+/* Error of a grid over ln(Voigt / Reuss) boundary / n: docs/accuracy-costs.md. */
+static const double slope_2d = 0.065, slope_3d = 0.13;
+static const double node_centre = 2.4; /* error of node centres over that of cut cells */
+/* The offered value is better than its grid: nodes that are enough, of those of the law. */
+static const double enough = 0.7;
+static const double most_spread = 6.9; /* ln 1000: voids have no Reuss bound */
+static const double high_contrast = 1e3;
+enum { FEWEST = 6, FEWEST_CRACKED = 24, MOST = 65536 };
+
+void ph_i_fidelity_say(ph_fidelity_plan *p, const char *fmt, ...)
+{
+    va_list args;
+    if (p->nwhy == PH_FIDELITY_WHY) return;
+    va_start(args, fmt);
+    vsnprintf(p->why[p->nwhy++], sizeof p->why[0], fmt, args);
+    va_end(args);
+}
+
+int ph_i_fidelity_axes(const ph_case *c)
+{
+    return c->kinematics == PH_SPACE ? 3 : 2;
+}
+
+ptrdiff_t ph_i_fidelity_longest(const ptrdiff_t nodes[3])
+{
+    ptrdiff_t n = nodes[0];
+    for (int a = 1; a < 3; a++)
+        n = nodes[a] > n ? nodes[a] : n;
+    return n;
+}
+
+ptrdiff_t ph_i_fidelity_round(double n)
+{
+    static const ptrdiff_t part[] = {4, 5, 6};
+    for (ptrdiff_t unit = 1; unit <= MOST; unit *= 2)
+        for (int i = 0; i < 3; i++)
+            if ((double)(part[i] * unit) >= n && part[i] * unit % 2 == 0)
+                return part[i] * unit;
+    return MOST;
+}
+
+void ph_i_fidelity_grid(const ph_case *c, ptrdiff_t n, ptrdiff_t nodes[3])
+{
+    double share = (double)n / (double)ph_i_fidelity_longest(c->nodes);
+    for (int a = 0; a < 3; a++) {
+        ptrdiff_t k = (ptrdiff_t)floor((double)c->nodes[a] * share + 0.5);
+        nodes[a] = c->nodes[a] <= 1 ? 1 : k < 2 ? 2 : k;
+    }
+}
+
+static ph_status find_constants(const ph_case *c, ph_fidelity_plan *p, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_case_accuracy *a = &c->accuracy;
+    for (int k = 0; k < a->nconstants && k < PH_TRADE_CONSTANTS; k++)
+        PH_TRY(ph_quantity_find(a->constant[k], &p->constant[k], err));
+    p->nconstants = a->nconstants;
+    if (p->nconstants == 0) p->nconstants = ph_trade_constants(c, p->constant);
+    PH_CHECK(p->nconstants > 0, PH_EINVAL, "accuracy: there is no constant to judge");
+out:
+    return st;
+}
+
+/* Cells with a neighbour of another phase, or cut: share of all, times n. */
+static double boundary_of(const ph_microstructure *m)
+{
+    const ph_grid *g = &m->grid;
+    double cells = (double)ph_grid_cells(g), n = (double)ph_i_fidelity_longest(g->n);
+    ptrdiff_t cut = 0, faces = 0, last = -1;
+    for (ptrdiff_t k = 0; k < m->ncuts; k++) {
+        cut += m->cuts[k].cell != last;
+        last = m->cuts[k].cell;
+    }
+    for (ptrdiff_t i = 0; i < g->n[0]; i++)
+        for (ptrdiff_t j = 0; j < g->n[1]; j++)
+            for (ptrdiff_t k = 0; k < g->n[2]; k++) {
+                const ptrdiff_t at[3] = {i, j, k};
+                for (int a = 0; a < 3; a++) {
+                    ptrdiff_t to[3] = {i, j, k};
+                    to[a] = (at[a] + 1) % g->n[a];
+                    faces += m->phase[(i * g->n[1] + j) * g->n[2] + k] !=
+                             m->phase[(to[0] * g->n[1] + to[1]) * g->n[2] + to[2]];
+                }
+            }
+    return (double)(cut > faces ? cut : faces) / cells * n;
+}
+
+static double log_ratio(double upper, double lower)
+{
+    return upper > 0 && lower > 0 ? fmin(log(upper / lower), most_spread) : most_spread;
+}
+
+/* ln(Voigt / Reuss) of the worst modulus, and the contrast. */
+static ph_status find_spread(const ph_case *c, const ph_microstructure *micro,
+                             ph_fidelity_plan *p, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_result *bounds = NULL;
+    ph_problem problem = ph_rve_problem(c, micro, NULL);
+    problem.constraint = (ph_constraint_params){.kind = "voigt"};
+    problem.loading = NULL;
+    problem.failure = NULL;
+    problem.keep_fields = false;
+    PH_TRY(ph_homogenise(&problem, NULL, &bounds, err));
+    ph_estimate e = {0};
+    problem.constraint = c->constraint;
+    PH_TRY(ph_homogenise_estimate(&problem, &e, err));
+    p->bytes_a_node = (double)e.bytes / (double)e.nodes;
+    p->seconds_a_node = e.seconds / (double)e.nodes;
+    p->spread = 0;
+    for (int i = 0; i < bounds->stiffness.n; i++) {
+        double low = bounds->reuss_is_zero ? 0 : bounds->reuss.m[i][i];
+        p->spread = fmax(p->spread, log_ratio(bounds->voigt.m[i][i], low));
+    }
+out:
+    ph_result_free(&bounds);
+    return st;
+}
+
+double ph_i_fidelity_contrast(const ph_case *c)
+{
+    double softest = INFINITY, stiffest = 0;
+    for (int m = 0; m < c->nmaterials; m++) {
+        double low, high;
+        if (c->materials[m].is_void) return INFINITY;
+        ph_sym4_eigenvalues(&c->materials[m].stiffness, &low, &high);
+        softest = fmin(softest, low);
+        stiffest = fmax(stiffest, high);
+    }
+    return stiffest / softest;
+}
+
+static void choose_grid(const ph_case *c, ph_fidelity_plan *p)
+{
+    double n = enough * p->slope / p->accuracy;
+    ptrdiff_t least = c->ncracks > 0 ? FEWEST_CRACKED : FEWEST;
+    if (c->nfillers > 0) { /* the grid shows the fillers */
+        ptrdiff_t drawn = ph_i_fidelity_longest(c->drawn_on);
+        least = drawn > least ? drawn : least;
+    }
+    p->fixed = c->accuracy.given & PH_SETTING_NODES;
+    if (p->fixed) {
+        memcpy(p->nodes, c->nodes, sizeof p->nodes);
+        ph_i_fidelity_say(p, "the case gives the nodes");
+        return;
+    }
+    ph_i_fidelity_grid(c, ph_i_fidelity_round(fmax(n, (double)least)), p->nodes);
+    ph_i_fidelity_say(p,
+                      "ln(Voigt/Reuss) %.3g and a boundary in %.3g/n of the cells: error "
+                      "about %.2g/n on n nodes",
+                      p->spread, p->boundary, p->slope);
+    if (c->ncracks > 0) ph_i_fidelity_say(p, "cracks: at least %d nodes", FEWEST_CRACKED);
+    if (c->nfillers > 0)
+        ph_i_fidelity_say(p, "fillers are drawn on a grid: no coarser one shows them");
+}
+
+static void choose_rest(const ph_case *c, ph_fidelity_plan *p)
+{
+    double contrast = ph_i_fidelity_contrast(c);
+    p->tolerance = c->solver.tolerance;
+    if (!(c->accuracy.given & PH_SETTING_TOLERANCE)) {
+        bool high = contrast > high_contrast;
+        p->tolerance = fmin(high ? 1e-3 : 1e-2, high ? 0.1 * p->accuracy : p->accuracy);
+        p->tolerance = fmax(p->tolerance, 1e-10);
+        ph_i_fidelity_say(p, "tolerance %.1g: the energy is off by its square%s",
+                          p->tolerance, high ? ", contrast above 1000" : "");
+    }
+    if (!(c->accuracy.given & (PH_SETTING_POINTS | PH_SETTING_MODEL)))
+        ph_i_fidelity_say(p,
+                          "stress points: the error of nodes, half of finite elements'");
+    if (!(c->accuracy.given & PH_SETTING_INTERFACE))
+        ph_i_fidelity_say(p,
+                          "composite interface: 2.4 times less error than node centres");
+}
+
+ph_status ph_fidelity_plan_case(const ph_case *c, ph_fidelity_plan *out, ph_error *err)
+{
+    PH_GIVEN(c && out);
+    ph_status st = PH_OK;
+    ph_microstructure *micro = NULL;
+    ph_fidelity_plan p = {.accuracy = c->accuracy.relative};
+    PH_CHECK(p.accuracy > 0 && c->nmaterials > 0 && c->nodes[0] > 0, PH_EINVAL,
+             "the case asks for no accuracy");
+    PH_TRY(find_constants(c, &p, err));
+    PH_TRY(ph_rve_build(c, &micro, err));
+    PH_TRY(find_spread(c, micro, &p, err));
+    p.boundary = boundary_of(micro);
+    p.slope = (ph_i_fidelity_axes(c) == 3 ? slope_3d : slope_2d) * p.spread * p.boundary;
+    if (c->interface == PH_INTERFACE_NODE_CENTRE) p.slope *= node_centre;
+    choose_grid(c, &p);
+    choose_rest(c, &p);
+    *out = p;
+out:
+    ph_microstructure_free(&micro);
+    return st;
+}

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "check.h"
+
+#include <jansson.h>
+
+#include <perihom_fidelity.h>
+
+#define HEAD                                                                             \
+    "perihom: 1\n"                                                                       \
+    "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.3}}\n"                             \
+    "microstructure:\n"                                                                  \
+    "  size: [1, 2]\n"                                                                   \
+    "  dimension: 2\n"                                                                   \
+    "  plane: strain\n"                                                                  \
+    "  matrix: m\n"
+
+static const char disk[] =
+    HEAD "  inclusions: [{shape: disk, centre: [0.4, 0.9], radius: 0.3, material: f}]\n"
+         "accuracy: {relative: 0.01, constants: [E1, G12]}\n";
+static const char layers[] =
+    HEAD "  inclusions: [{shape: layer, normal: 1, from: 0.11, to: 0.52, material: f}]\n"
+         "accuracy: {relative: 0.001}\n";
+
+static ph_case *read_case(const char *text, const char *set)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_case *c = NULL;
+    CHECK_OK(
+        ph_case_parse(text, strlen(text), "case", &set, set != NULL, &c, NULL, &err));
+    return c;
+}
+
+static ph_fidelity *solve(const ph_case *c, int threads, ph_status want)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_fidelity *f = NULL;
+    const ph_ctx ctx = {.threads = threads};
+    ph_status st = ph_fidelity_solve(c, &ctx, &f, &err);
+    if (st != want) print_error("status %d: %s\n", (int)st, err.msg);
+    CHECK(st == want);
+    return f;
+}
+
+static double value(const ph_fidelity *f, const char *name)
+{
+    ph_quantity q;
+    double x = NAN;
+    if (f && ph_quantity_find(name, &q, NULL) == PH_OK)
+        ph_quantity_value(&q, f->result, &x, NULL);
+    return x;
+}
+
+/* What is offered is as near to the solution of a fine grid as it was asked to be. */
+static void test_accuracy_is_reached(void **state)
+{
+    (void)state;
+    ph_case *fine = read_case(disk, "microstructure.nodes=[192, 384]");
+    ph_fidelity *reference = solve(fine, 0, PH_OK);
+    static const char *const wanted[] = {
+        "accuracy.relative=0.03", "accuracy.relative=0.01", "accuracy.relative=0.003"};
+    ptrdiff_t before = 0;
+    for (int i = 0; i < 3; i++) {
+        ph_case *c = read_case(disk, wanted[i]);
+        ph_fidelity *f = solve(c, 0, PH_OK);
+        double target = c->accuracy.relative;
+        CHECK(f && f->reached && f->error <= target && f->missing[0] == 0);
+        CHECK_REL(value(f, "E1"), value(reference, "E1"), target);
+        CHECK_REL(value(f, "G12"), value(reference, "G12"), target);
+        CHECK(f->nodes[1] == 2 * f->nodes[0]); /* the shape of the box */
+        CHECK(f->nodes[1] >= before);          /* more for less */
+        before = f->nodes[1];
+        CHECK(f->nsteps >= 2 && isnan(f->step[0].estimate));
+        CHECK(f->step[f->nsteps - 1].estimate == f->error);
+        CHECK(f->plan.nwhy >= 3);
+        ph_fidelity_free(&f);
+        ph_case_free(&c);
+    }
+    ph_fidelity_free(&reference);
+    ph_case_free(&fine);
+    CHECK_END();
+}
+
+/* The first-order law taken away: the offered tensor is C(n) + (C(n) - C(n/r)) / (r - 1) / 2. */
+static void test_offered_tensor(void **state)
+{
+    (void)state;
+    ph_case *c = read_case(disk, "accuracy.relative=0.01");
+    ph_fidelity *f = solve(c, 1, PH_OK);
+    if (!f) fail();
+    const ph_fidelity_step *last = &f->step[f->nsteps - 1], *companion = last - 1;
+    double ratio = (double)last->nodes[1] / (double)companion->nodes[1];
+    ph_quantity C11;
+    ph_error err = PH_ERROR_INIT;
+    double grid[2];
+    CHECK_OK(ph_quantity_find("C11", &C11, &err));
+    for (int i = 0; i < 2; i++) {
+        ph_case one = *c;
+        const ph_fidelity_step *s = i ? last : companion;
+        memcpy(one.nodes, s->nodes, sizeof one.nodes);
+        one.solver.tolerance = s->tolerance;
+        ph_evaluation e;
+        const ph_scenario scenario = {&one, 0, 1, &C11};
+        CHECK_OK(ph_scenario_evaluate(&scenario, NULL, &e, &err));
+        grid[i] = e.value[0];
+    }
+    double want = grid[1] + 0.5 * (grid[1] - grid[0]) / (ratio - 1);
+    CHECK(f->improved);
+    /* one load here and all there: the entries differ by what symmetry averages */
+    CHECK_REL(value(f, "C11"), want, 1e-12);
+    ph_fidelity_free(&f);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
+/* Cut cells hold layers exactly: the first grids agree, and no finer one is asked for. */
+static void test_layers_need_no_grid(void **state)
+{
+    (void)state;
+    ph_case *c = read_case(layers, NULL);
+    ph_fidelity *f = solve(c, 1, PH_OK);
+    CHECK(f && f->reached && f->nsteps == 2);
+    /* E1 across, plane strain: 1/C11 is the mean of 1/C11 */
+    double C_m = 0.7 / (1.3 * 0.4), C_f = 10 * C_m;
+    CHECK_REL(value(f, "C11"), 1 / (0.59 / C_m + 0.41 / C_f), 1e-3);
+    ph_fidelity_free(&f);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
+static void test_threads_do_not_matter(void **state)
+{
+    (void)state;
+    ph_case *c = read_case(disk, "accuracy.relative=0.003");
+    ph_fidelity *one = solve(c, 1, PH_OK), *two = solve(c, 2, PH_OK);
+    if (!one || !two) fail();
+    CHECK(one->nsteps == two->nsteps && one->operations == two->operations);
+    CHECK(memcmp(&one->result->stiffness, &two->result->stiffness,
+                 sizeof one->result->stiffness) == 0);
+    ph_fidelity_free(&one);
+    ph_fidelity_free(&two);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
+/* A budget that is too small is an error with the best there is, and with what is missing. */
+static void test_budget(void **state)
+{
+    (void)state;
+    static const char *const set[] = {"budget={memory: 100000}",
+                                      "budget={seconds: 1e-9}"};
+    static const char *const word[] = {"budget.memory", "budget.seconds"};
+    for (int i = 0; i < 2; i++) {
+        const char *sets[] = {set[i], "accuracy.relative=0.0003"};
+        ph_error err = PH_ERROR_INIT;
+        ph_case *c = NULL;
+        ph_fidelity *f = NULL;
+        CHECK_OK(ph_case_parse(disk, strlen(disk), "case", sets, 2, &c, NULL, &err));
+        CHECK(ph_fidelity_solve(c, NULL, &f, &err) == PH_ENOCONV);
+        CHECK(f && f->result && !f->reached && strstr(f->missing, word[i]));
+        CHECK(strstr(err.msg, word[i]) && strstr(err.msg, "not reached"));
+        if (f) CHECK(value(f, "E1") > 1 && value(f, "E1") < 10);
+        for (int k = 0; f && i == 0 && k < f->nsteps; k++)
+            CHECK(f->step[k].work.peak_bytes <= 100000);
+        ph_fidelity_free(&f);
+        ph_case_free(&c);
+    }
+    CHECK_END();
+}
+
+/* What the case gives stays: nodes and tolerance. */
+static void test_given_settings_stay(void **state)
+{
+    (void)state;
+    const char *sets[] = {"microstructure.nodes=[10, 22]", "solver.tolerance=1e-7",
+                          "accuracy.relative=0.0001"};
+    ph_error err = PH_ERROR_INIT;
+    ph_case *c = NULL;
+    ph_fidelity *f = NULL;
+    CHECK_OK(ph_case_parse(disk, strlen(disk), "case", sets, 3, &c, NULL, &err));
+    CHECK(ph_fidelity_solve(c, NULL, &f, &err) == PH_ENOCONV);
+    CHECK(f && f->nodes[0] == 10 && f->nodes[1] == 22 && f->tolerance == 1e-7);
+    CHECK(f && strstr(f->missing, "nodes are given"));
+    ph_fidelity_free(&f);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
+/* Columns that are not symmetric enough lower the tolerance. */
+static void test_tolerance_falls(void **state)
+{
+    (void)state;
+    const char *sets[] = {"materials.f.E=900", "accuracy.relative=0.02"};
+    ph_error err = PH_ERROR_INIT;
+    ph_case *c = NULL;
+    ph_fidelity *f = NULL;
+    CHECK_OK(ph_case_parse(disk, strlen(disk), "case", sets, 2, &c, NULL, &err));
+    CHECK_OK(ph_fidelity_solve(c, NULL, &f, &err));
+    CHECK(f && f->result->asymmetry <= 0.25 * 0.02);
+    ph_fidelity_free(&f);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
+/* The analysis sees what the case is, whatever the grid it looks at. */
+static void test_plan(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_fidelity_plan p, soft, still;
+    ph_case *c = read_case(disk, NULL), *d = read_case(disk, "materials.f.E=1.2"),
+            *e = read_case(disk, "accuracy.relative=0.001");
+    CHECK_OK(ph_fidelity_plan_case(c, &p, &err));
+    CHECK_OK(ph_fidelity_plan_case(d, &soft, &err));
+    CHECK_OK(ph_fidelity_plan_case(e, &still, &err));
+    CHECK(p.nconstants == 2 && !p.fixed && p.nodes[1] == 2 * p.nodes[0]);
+    CHECK(soft.spread < p.spread / 5); /* ln(V/R) is of second order in the contrast */
+    CHECK(soft.nodes[1] <= p.nodes[1] && still.nodes[1] > p.nodes[1]);
+    /* faces along both axes of 1 x 2: 4 r times two directions, over the area 2, n = 2 / h */
+    CHECK_REL(p.boundary, 8 * 0.3 / 2 * 2, 0.25);
+    ph_case_free(&c);
+    ph_case_free(&d);
+    ph_case_free(&e);
+    CHECK_END();
+}
+
+static void test_document(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_case *c = read_case(disk, NULL);
+    ph_fidelity *f = solve(c, 1, PH_OK);
+    char *text = NULL;
+    if (!f) fail();
+    CHECK_OK(ph_fidelity_to_json(f, c, NULL, &text, &err));
+    json_t *d = text ? json_loads(text, 0, NULL) : NULL,
+           *b = json_object_get(d, "fidelity");
+    CHECK(json_is_true(json_object_get(b, "reached")));
+    CHECK(json_array_size(json_object_get(b, "steps")) == (size_t)f->nsteps);
+    CHECK(json_array_size(json_object_get(b, "why")) == (size_t)f->plan.nwhy);
+    /* settings that are left open are not in the case: it is the one that was given */
+    json_t *resolved = json_object_get(d, "case");
+    CHECK(json_object_get(resolved, "accuracy") != NULL);
+    CHECK(!json_object_get(json_object_get(resolved, "microstructure"), "nodes"));
+    CHECK(!json_object_get(json_object_get(resolved, "solver"), "tolerance"));
+    json_decref(d);
+    free(text);
+    ph_fidelity_free(&f);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_accuracy_is_reached),
+        cmocka_unit_test(test_offered_tensor),
+        cmocka_unit_test(test_layers_need_no_grid),
+        cmocka_unit_test(test_threads_do_not_matter),
+        cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_given_settings_stay),
+        cmocka_unit_test(test_tolerance_falls),
+        cmocka_unit_test(test_plan),
+        cmocka_unit_test(test_document),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
