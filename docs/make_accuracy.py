@@ -82,7 +82,9 @@ def study(program, folder, seed):
                   "--finest", "96" if dim == 2 else "24")
     rows = found["rows"] + fine["rows"]
     return {"seed": seed, "dimension": dim, "reference": values, "reference_error": fine["reference"]["error"],
-            "advice": found["advice"], "rows": rows, "fidelity": [fidelity(program, folder, text, t, seed) for t in TARGETS]}
+            "advice": found["advice"], "rows": rows,
+            "fidelity": [fidelity(program, folder, text, t, seed) for t in TARGETS
+                         if fine["reference"]["error"] <= t / 3]}
 
 
 def fidelity(program, folder, text, target, seed):

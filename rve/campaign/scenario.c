@@ -47,6 +47,10 @@ ph_status ph_scenario_admits(const ph_case *c, const ph_quantity *q, ph_error *e
     PH_CHECK(c && q, PH_EINVAL, "NULL case or output");
     const char *no = ph_quantity_refuses(q, c->kinematics);
     bool there = strncmp(q->name, "fraction.", 9) != 0;
+    bool open = c->accuracy.relative > 0 && !(c->accuracy.given & PH_SETTING_NODES);
+    PH_CHECK(!open, PH_EINVAL,
+             "the case asks for an accuracy, which one solution finds the grid for: give "
+             "microstructure.nodes");
     PH_CHECK(!no, PH_EINVAL, "%s: %s", q->name, no);
     for (int m = 0; m < c->nmaterials && !there; m++)
         there = strcmp(c->materials[m].name, q->argument) == 0;

@@ -205,11 +205,10 @@ static bool affordable(search *s, ptrdiff_t n)
         s->f->missing[0] = 0;
         return true;
     }
-    snprintf(
-        s->f->missing, sizeof s->f->missing,
-        "budget.%s: %.3g %% needs about %td nodes along the longest axis, %.3g s and "
-        "%.3g bytes more than the %.3g s that are spent",
-        time ? "seconds" : "memory", n, seconds, bytes, spent);
+    snprintf(s->f->missing, sizeof s->f->missing,
+             "budget.%s: the next grid, %td nodes along the longest axis, takes about "
+             "%.2g s and %.2g bytes; %.2g s are spent",
+             time ? "seconds" : "memory", n, seconds, bytes, spent);
     return false;
 }
 

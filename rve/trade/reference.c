@@ -34,14 +34,16 @@ int ph_trade_constants(const ph_case *c, ph_quantity *out)
     static const char *const moduli[] = {"E1", "E2", "G12"};
     int n = 0;
     if (!c || !out) return 0;
+    ph_case closed = *c; /* on any grid */
+    closed.accuracy.relative = 0;
     double late = longest_time(c);
     for (size_t i = 0; late == 0 && i < sizeof elastic / sizeof *elastic; i++)
-        add_constant(c, elastic[i], out, &n);
+        add_constant(&closed, elastic[i], out, &n);
     for (size_t i = 0; late > 0 && i < sizeof moduli / sizeof *moduli; i++) {
         char name[64];
-        add_constant(c, moduli[i], out, &n);
+        add_constant(&closed, moduli[i], out, &n);
         snprintf(name, sizeof name, "%s(t=%.12g)", moduli[i], late);
-        add_constant(c, name, out, &n);
+        add_constant(&closed, name, out, &n);
     }
     return n;
 }

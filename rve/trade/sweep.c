@@ -82,7 +82,7 @@ static void make_ladder(ph_i_trade *s)
     ptrdiff_t own = c->nodes[longest_axis(c)], finest = s->params->finest;
     bool last = false;
     s->nrungs = 1;
-    s->rung[0] = 0;
+    s->rung[0] = s->c->accuracy.relative > 0 ? own : 0;
     if (!applies(s, "nodes") || own < 1) return;
     if (finest < 1) {
         finest = 2 * own;
@@ -327,6 +327,7 @@ ph_status ph_trade_run(const ph_trade_params *params, ph_trade **out,
     PH_TRY(check_knobs(params, err));
     PH_ALLOC(s.t, 1, "a trade");
     PH_TRY(ph_case_read(params->path, params->sets, params->nsets, &s.c, issues, err));
+    s.c->accuracy.given |= PH_SETTING_NODES; /* every row has its grid */
     describe(&s);
     PH_TRY(ph_i_trade_begin(&s, err));
     make_ladder(&s);
