@@ -84,7 +84,7 @@ def study(program, folder, seed):
     return {"seed": seed, "dimension": dim, "reference": values, "reference_error": fine["reference"]["error"],
             "advice": found["advice"], "rows": rows,
             "fidelity": [fidelity(program, folder, text, t, seed) for t in TARGETS
-                         if fine["reference"]["error"] <= t / 3]}
+                         if fine["reference"]["error"] <= t / 2]}
 
 
 def fidelity(program, folder, text, target, seed):

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grids, from the one that the plan expects to be fine enough to the one that is. */
+#include <perihom/error_bar.h>
+
 #include "fidelity/fidelity.h"
 
 #include <math.h>
@@ -138,15 +140,13 @@ out:
 
 /* ---- what two grids say ---- */
 
-static double value_of(const search *s, const ph_sym4 *stiffness, int k)
+static double value_of(const search *s, const ph_quantity *q, const ph_sym4 *stiffness)
 {
     double x = NAN;
     const ph_result r = {.stiffness = *stiffness,
                          .loads = (1u << stiffness->n) - 1u,
                          .grid = {.kinematics = s->c->kinematics}};
-    return ph_quantity_value(&s->f->plan.constant[k], &r, &x, NULL) == PH_OK
-               ? x
-               : (double)NAN;
+    return ph_quantity_value(q, &r, &x, NULL) == PH_OK ? x : (double)NAN;
 }
 
 /* The offered stiffness, and its error. */
@@ -158,12 +158,13 @@ static double judge(const search *s, ph_sym4 *offered, bool *improved)
     *offered = ph_sym4_combine(1 + step, &fine->stiffness, -step, &coarse->stiffness);
     *improved = true;
     for (int k = 0; k < s->f->plan.nconstants; k++) {
-        double on_fine = value_of(s, &fine->stiffness, k),
-               on_coarse = value_of(s, &coarse->stiffness, k);
-        double error = ph_trade_error(&s->f->plan.constant[k], on_coarse, on_fine);
+        const ph_quantity *q = &s->f->plan.constant[k];
+        double on_fine = value_of(s, q, &fine->stiffness),
+               on_coarse = value_of(s, q, &coarse->stiffness);
+        double error = ph_trade_error(q, on_coarse, on_fine);
         worst = fmax(worst, isfinite(error) ? error : 1);
         /* A tensor of two others may have no inverse. */
-        if (!(value_of(s, offered, k) > 0) && on_fine > 0) *improved = false;
+        if (!(value_of(s, q, offered) > 0) && on_fine > 0) *improved = false;
     }
     if (!*improved) *offered = fine->stiffness;
     return (*improved ? estimated : 1) * worst / (ratio - 1);
@@ -315,6 +316,37 @@ out:
     return st;
 }
 
+/* Error bars of every constant: as those of a grid whose companion is off by what is left. */
+static ph_status put_bars(search *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_sym4 *fine = &s->fine.stiffness, *coarse = &s->coarse.stiffness;
+    ph_result *r = s->fine.result;
+    ph_error_bar *bar = NULL;
+    double ratio = (double)s->fine.n / (double)s->coarse.n,
+           left = s->f->improved ? estimated : 1;
+    ph_sym4 step = ph_sym4_combine(1, fine, -1, coarse),
+            companion = ph_sym4_combine(1, &r->stiffness, -left, &step);
+    const ph_error_evidence e = {
+        .result = r, .coarse = &companion, .ratio = ratio, .parts = s->c->error_parts};
+    PH_ALLOC(bar, 1, "error bars");
+    PH_TRY(ph_error_bar_estimate(&e, bar, err));
+    ph_i_fidelity_grid(s->c, s->coarse.n, bar->nodes);
+    for (int k = 0; k < bar->count; k++) { /* all of the step */
+        ph_error_constant *c = &bar->constant[k];
+        ph_quantity q;
+        if (ph_quantity_find(c->name, &q, NULL) != PH_OK) continue;
+        double on_fine = value_of(s, &q, fine), on_coarse = value_of(s, &q, coarse);
+        c->richardson = on_fine + (on_fine - on_coarse) / (ratio - 1);
+    }
+    free(r->error_bar);
+    r->error_bar = bar;
+    bar = NULL;
+out:
+    free(bar);
+    return st;
+}
+
 /* What the search found, into the caller's hands. */
 static void hand_over(search *s)
 {
@@ -343,6 +375,7 @@ static ph_status climb(search *s, ph_error *err)
         PH_TRY(go_on(s, &on, err));
         if (on) offer(s);
     }
+    if (s->coarse.n && s->c->error_parts) PH_TRY(put_bars(s, err));
     hand_over(s);
     PH_CHECK(f->reached, PH_ENOCONV,
              "accuracy %.3g %% is not reached, the error is about %.2g %%: %s",
