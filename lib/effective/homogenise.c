@@ -168,6 +168,9 @@ static ph_status check_problem(const ph_problem *p, ph_error *err)
     double v = p->model.stabilisation_value;
     PH_CHECK(v >= 0.0 && v <= 1.0, PH_EINVAL,
              "the stabilisation must be in (0, 1], got %g", v);
+    double tips = p->model.crack_tips;
+    PH_CHECK(tips >= 0.0 && tips <= 2.0, PH_EINVAL,
+             "crack_tips must be in [0, 2] spacings, got %g", tips);
 out:
     return st;
 }
@@ -200,6 +203,14 @@ out:
     return st;
 }
 
+static double widest_spacing(const ph_grid *g)
+{
+    double h = 0.0;
+    for (int d = 0; d < 3; d++)
+        if (g->n[d] > 1) h = fmax(h, g->h[d]);
+    return h;
+}
+
 /* Map of the RVE itself, which is what `auto` looks at. */
 ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
 {
@@ -227,6 +238,7 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
     PH_TRY(r->constraint->prepare(p, r->family, &r->setting, err));
     if (ph_i_has_cracks(p))
         PH_TRY(ph_i_broken_new(&r->setting.box, r->family, &r->meter, &r->broken, err));
+    if (r->broken) r->broken->tips = p->model.crack_tips * widest_spacing(&res->grid);
     r->params.broken = r->broken;
     if (res->bond.present)
         PH_TRY(ph_i_bond_classes_new(p->micro, p->model.kappa, r->setting.source,

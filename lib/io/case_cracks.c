@@ -431,6 +431,11 @@ ph_status ph_i_read_cracks(ph_i_reader *r, const ph_i_node *root, ph_error *err)
             PH_TRY(read_crack(r, list->child[i], &r->c->cracks[i], err));
         if (list->count > 0) check_model(r, list);
     }
+    const ph_i_node *model = ph_i_get(root, "model");
+    bool tips = model && model->kind == PH_I_MAP && ph_i_get(model, "crack_tips");
+    if (!list && tips)
+        ph_i_complain(r, ph_i_get(model, "crack_tips"), PH_EINVAL,
+                      "belongs to cracks, which are not there");
     if (!list || list->kind == PH_I_LIST)
         PH_TRY(read_sequence(r, ph_i_get(root, "sequence"), err));
 out:

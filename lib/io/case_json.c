@@ -150,6 +150,8 @@ static json_t *model_to_json(const ph_model_params *m, bool *good)
     else
         horizon = json_real(m->horizon);
     ph_i_json_set(map, "kind", json_string(m->kind ? m->kind : "nosb"), good);
+    if (m->crack_tips > 0)
+        ph_i_json_set(map, "crack_tips", json_real(m->crack_tips), good);
     if (m->kind && strcmp(m->kind, "bond") == 0) {
         ph_i_json_set(map, "horizon", horizon, good);
         bond_to_json(m, map, good);

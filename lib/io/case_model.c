@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const model_keys[] = {"kind",      "points",       "horizon",
-                                         "influence", "weights",      "stabilisation",
-                                         "kappa",     "micromodulus", "calibration"};
+static const char *const model_keys[] = {
+    "kind",          "points", "horizon",      "influence",   "weights",
+    "stabilisation", "kappa",  "micromodulus", "calibration", "crack_tips"};
 static const char *const horizon_keys[] = {"length"};
 static const char *const power_law_keys[] = {"power_law"};
 static const char *const stabilisation_keys[] = {"spectral", "subpoint"};
@@ -150,6 +150,9 @@ void ph_i_read_model(ph_i_reader *r, const ph_i_node *node)
         (i = ph_i_read_name(r, child, ph_i_weight_names)) >= 0)
         model->weights = ph_i_weight_names.name[i];
     if ((child = ph_i_get(node, "stabilisation"))) read_stabilisation(r, child, model);
+    if ((child = ph_i_get(node, "crack_tips")))
+        ph_i_read_number(r, child, -1e-300, 2.0, "must be from 0 to below 2 spacings",
+                         &model->crack_tips);
     read_bond(r, node, model);
     if (model->points == PH_POINTS_NODES && model->horizon == 0) model->horizon = 2;
 }

@@ -35,6 +35,9 @@ typedef struct ph_model_params {
     const char *weights;    /* in ph_volume_weights[]; NULL: "linear", bond: "exact" */
     ph_stabilisation stabilisation;
     double stabilisation_value; /* alpha or theta; 0: default */
+    /* Spacings (of the widest axis) by which cracks are cut shorter at every tip, 0 to 2: what
+     * a crack seems too long on the lattice, see docs/theory/cracks.md */
+    double crack_tips;
     /* of bond */
     double kappa;             /* modulus of interphase bonds over that of the matrix;
                                * 0 or NaN: their modulus is the harmonic mean */

@@ -21,6 +21,7 @@ typedef struct ph_broken {
     int32_t *slot;  /* [slots] hash of the nodes, -1: empty */
     ptrdiff_t slots;
     ptrdiff_t pairs; /* broken bonds, each counted once */
+    double tips;     /* length by which cracks are cut shorter at every tip */
     ph_meter *meter;
     size_t bytes;
 } ph_broken;
@@ -62,7 +63,15 @@ static inline bool ph_i_is_broken(const ph_broken *broken, ptrdiff_t place, ptrd
     return broken->bits[place * broken->words + b / 64] >> (b % 64) & 1;
 }
 
-/** Break every bond that crosses a crack.
+/** Add to `to` the cracks of `from`, each tip drawn back by a length: lines along their points,
+ *  semi-axes of ellipses, polygons towards the mean of their vertices. What gets shorter than
+ *  nothing is left out. @return PH_OK; PH_ENOMEM */
+ph_status ph_i_cracks_shorten(const ph_cracks *from, double by, ph_cracks *to,
+                              ph_error *err);
+/** Radius of the disk that has the area of a plane polygon. */
+double ph_i_polygon_radius(ptrdiff_t count, const double (*vertex)[3]);
+
+/** Break every bond that crosses a crack, drawn back by broken->tips at every tip.
  *
  *  A node that lies in the plane of a crack (to 1e-9 of the spacing) belongs to the side
  *  that the normal points to; in 2D the left of the line, as one walks along it. A bond is

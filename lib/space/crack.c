@@ -4,6 +4,7 @@
 
 #include "core/check.h"
 #include "core/vec3.h"
+#include "space/broken.h"
 
 #include <math.h>
 #include <string.h>
@@ -245,25 +246,29 @@ out:
     return st;
 }
 
+double ph_i_polygon_radius(ptrdiff_t count, const double (*vertex)[3])
+{
+    static const double pi = 3.14159265358979323846;
+    double n[3];
+    return sqrt(0.5 * vector_area(count, vertex, n) / pi);
+}
+
 double ph_cracks_density(const ph_cracks *c, const ph_grid *g)
 {
     if (!c || !g) return NAN;
-    static const double pi = 3.14159265358979323846;
     bool plane = g->kinematics != PH_SPACE;
     double volume = g->size[0] * g->size[1] * (plane ? 1.0 : g->size[2]), sum = 0.0;
     for (ptrdiff_t i = 0; i < c->count; i++) {
         const ph_crack *k = &c->crack[i];
-        double n[3], a = 0.5 * ph_crack_length(c, i);
+        double a = 0.5 * ph_crack_length(c, i);
         if (k->shape == PH_CRACK_LINE)
             sum += a * a;
         else if (k->shape == PH_CRACK_ELLIPSE)
             sum += pow(k->semi_axes[0] * k->semi_axes[1], 1.5);
         else
             sum += pow(
-                0.5 *
-                    vector_area(k->count, (const double(*)[3])(c->vertex + k->first), n) /
-                    pi,
-                1.5);
+                ph_i_polygon_radius(k->count, (const double(*)[3])(c->vertex + k->first)),
+                3.0);
     }
     return sum / volume;
 }

@@ -288,27 +288,39 @@ out:
     return st;
 }
 
-ph_status ph_i_cracks_cut(const ph_cracks *cracks, const ph_grid *rve,
-                          const ptrdiff_t first[3], bool inside, ph_broken *broken,
-                          ph_error *err)
+static ph_status cut_all(cutter *c, const ph_cracks *cracks, ph_error *err)
 {
     ph_status st = PH_OK;
-    cutter c = {.broken = broken, .rve = rve, .first = first, .inside = inside};
-    PH_TRY(cutter_init(&c, err));
     for (ptrdiff_t i = 0; i < cracks->count; i++) {
         const ph_crack *k = &cracks->crack[i];
         const double(*v)[3] = (const double(*)[3])(cracks->vertex + k->first);
         piece p;
         for (ptrdiff_t s = 1; k->shape == PH_CRACK_LINE && s < k->count; s++) {
             p = line_piece(k, v[s - 1], v[s]);
-            PH_TRY(cut_piece(&c, &p, err));
+            PH_TRY(cut_piece(c, &p, err));
         }
         if (k->shape == PH_CRACK_LINE) continue;
         p = k->shape == PH_CRACK_ELLIPSE ? ellipse_piece(k) : polygon_piece(k, v);
-        PH_TRY(cut_piece(&c, &p, err));
+        PH_TRY(cut_piece(c, &p, err));
     }
+out:
+    return st;
+}
+
+ph_status ph_i_cracks_cut(const ph_cracks *cracks, const ph_grid *rve,
+                          const ptrdiff_t first[3], bool inside, ph_broken *broken,
+                          ph_error *err)
+{
+    ph_status st = PH_OK;
+    cutter c = {.broken = broken, .rve = rve, .first = first, .inside = inside};
+    ph_cracks shorter = {0};
+    PH_TRY(cutter_init(&c, err));
+    if (broken->tips > 0.0)
+        PH_TRY(ph_i_cracks_shorten(cracks, broken->tips, &shorter, err));
+    PH_TRY(cut_all(&c, broken->tips > 0.0 ? &shorter : cracks, err));
     PH_TRY(ph_i_broken_settle(broken, err));
 out:
+    ph_cracks_free(&shorter);
     free(c.half);
     return st;
 }

@@ -71,7 +71,7 @@ void ph_microstructure_free(ph_microstructure **micro);
 void ph_microstructure_fractions(const ph_microstructure *micro, double *fraction);
 
 typedef struct { const char *kind; int points; double horizon; bool horizon_is_length; const char *influence;
-                 const char *weights; int stabilisation; double stabilisation_value; double kappa; ...; } ph_model_params;
+                 const char *weights; int stabilisation; double stabilisation_value; double crack_tips; double kappa; ...; } ph_model_params;
 typedef struct { const char *kind; double tolerance; int max_iterations; ...; } ph_solver_params;
 typedef struct { const char *kind; int collar; ...; } ph_constraint_params;
 typedef struct { bool given; int criterion; double value, fracture_energy, weibull; ...; } ph_failure_rule;
