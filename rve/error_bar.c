@@ -201,8 +201,8 @@ ph_status ph_rve_error_bar(const ph_case *c, const ph_problem *problem, const ph
     ph_status st = PH_OK;
     companions k = {.c = c, .problem = problem, .ctx = ctx, .result = result};
     unsigned all = (1u << ph_strains(result->grid.kinematics)) - 1u;
-    if (c->error_parts == 0 || !result->converged || (result->loads & all) != all)
-        return PH_OK;
+    bool whole = (result->loads & all) == all && problem->nconstants == 0;
+    if (c->error_parts == 0 || !result->converged || !whole) return PH_OK;
     PH_ALLOC(k.bar, 1, "error bars");
     PH_TRY(judge(&k, err));
     free(result->error_bar);

@@ -177,11 +177,26 @@ static void put_solver(FILE *to, const ph_result *r)
     put_no_error_bar(to, r->error_bar);
 }
 
+static void put_constants(FILE *to, const ph_case *c, const ph_result *r)
+{
+    for (int i = 0; i < c->nconstants; i++) {
+        const ph_quantity *q = &c->constants[i];
+        ph_error why = PH_ERROR_INIT;
+        double x;
+        if (ph_quantity_value(q, r, &x, &why) == PH_OK)
+            fprintf(to, "%-11s %.6g%s%s\n", q->name, x, q->stress == 1 ? " " : "",
+                    q->stress == 1 ? c->unit_stress : "");
+        else
+            fprintf(to, "%-11s none: %s\n", q->name, why.msg);
+    }
+}
+
 void report_result(FILE *to, const ph_case *c, const ph_result *result)
 {
     unsigned all = (1u << result->stiffness.n) - 1;
     put_head(to, c, result);
     if ((result->loads & all) == all) put_engineering(to, c->unit_stress, result);
+    put_constants(to, c, result);
     put_stiffness(to, c->unit_stress, result);
     if (result->damage) damage_print(to, c->unit_length, result->damage);
     if (result->failure) failure_print(to, c, result->failure);

@@ -135,13 +135,16 @@ static const char *no_residual(const ph_error_evidence *e)
 static void entry_errors(const ph_result *r, ph_sym4 *off)
 {
     double error[6] = {0}, size[6] = {0};
+    double worst = 0.0; /* of a load that follows from another one by symmetry */
     int number = 0;
     *off = (ph_sym4){.n = r->stiffness.n};
+    for (int i = 0; i < r->nloads && i < 6; i++)
+        worst = fmax(worst, energy_left(r, i));
     for (int a = 0; a < off->n; a++) {
         size[a] =
             sqrt(fmax(r->voigt.m[a][a] - r->stiffness.m[a][a], 1e-3 * r->voigt.m[a][a]));
-        if (r->loads >> a & 1u && number < r->nloads)
-            error[a] = sqrt(energy_left(r, number++)) * size[a];
+        bool solved = r->solved >> a & 1u && number < r->nloads;
+        error[a] = sqrt(solved ? energy_left(r, number++) : worst) * size[a];
     }
     for (int a = 0; a < off->n; a++)
         for (int b = 0; b < off->n; b++)

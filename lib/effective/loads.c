@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The loads of a run, their columns, and the stiffness that the columns make. */
+#include <perihom/quantity.h>
+
 #include "effective/run.h"
 
 #include <math.h>
@@ -213,6 +215,33 @@ out:
     return st;
 }
 
+/* Loads that the constants which are asked for need, in this cell. */
+static unsigned loads_of_constants(const ph_run *r)
+{
+    const ph_problem *p = r->problem;
+    ph_kinematics kin = r->result->grid.kinematics;
+    ph_cell_symmetry none = ph_i_symmetry_none(r->map->ns);
+    const ph_cell_symmetry *s = r->symmetry.count ? &r->symmetry : &none;
+    unsigned loads = 0;
+    for (int i = 0; i < p->nconstants; i++) {
+        const ph_quantity *q = &p->constants[i];
+        bool by_row = q->kind && q->kind->row && !ph_quantity_refuses(q, kin);
+        loads |= by_row ? ph_i_symmetry_block(s, q->kind->row(q, kin))
+                        : ph_quantity_loads(q, kin);
+    }
+    return loads;
+}
+
+/* Refined entries take the fields of all loads, and so does a compliance as a whole. */
+static unsigned wanted_loads(const ph_run *r)
+{
+    const ph_problem *p = r->problem;
+    unsigned all = ph_i_run_all_loads(r->result);
+    if (r->constraint->by_stress || ph_i_run_second_order(r)) return all;
+    if (p->nconstants) return loads_of_constants(r) & all;
+    return p->loads ? p->loads & all : all;
+}
+
 static void say_symmetry(const ph_run *r)
 {
     unsigned more = r->result->loads & ~r->result->solved;
@@ -229,10 +258,8 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
-    unsigned all = ph_i_run_all_loads(res),
-             loads = r->problem->loads ? r->problem->loads & all : all;
+    unsigned loads = wanted_loads(r);
     int count = 0, number = 0;
-    if (r->constraint->by_stress) loads = all; /* the compliance is inverted as a whole */
     if (r->symmetry.count) loads = ph_i_symmetry_loads(&r->symmetry, loads);
     for (int a = 0; a < r->map->ns; a++)
         count += (loads >> a & 1) != 0;

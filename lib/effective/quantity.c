@@ -58,9 +58,50 @@ static const char *refuses_axes(const ph_quantity *q, ph_kinematics kin)
                : "plane stress and plane strain have no constants along axis 3";
 }
 
+/* Does the inverse of the columns that are there hold row `row` of the compliance? */
+static bool stands_alone(const ph_result *r, int row)
+{
+    if (!(r->loads >> row & 1)) return false;
+    for (int a = 0; a < r->stiffness.n; a++)
+        for (int b = 0; b < r->stiffness.n; b++)
+            if (r->loads >> b & 1 && !(r->loads >> a & 1) && r->stiffness.m[a][b] != 0.0)
+                return false;
+    return true;
+}
+
+/* The stiffness with a place holder for what was not solved and is coupled to nothing. */
+static ph_sym4 completed(const ph_result *r)
+{
+    ph_sym4 c = r->stiffness;
+    double size = ph_sym4_norm(&c);
+    for (int a = 0; a < c.n; a++)
+        for (int b = 0; b < c.n; b++)
+            if (!(r->loads >> a & 1) || !(r->loads >> b & 1))
+                c.m[a][b] = a == b ? size : 0.0;
+    return c;
+}
+
 static ph_status inverse(const ph_result *r, ph_engineering *e, ph_error *err)
 {
-    return ph_engineering_constants(&r->stiffness, e, err);
+    ph_sym4 c = completed(r);
+    return ph_engineering_constants(&c, e, err);
+}
+
+/* Axis row, component row, and the shear of two axes, as places of the tensor. */
+static int axis_row(const ph_quantity *q, ph_kinematics kin)
+{
+    (void)kin;
+    return q->row;
+}
+
+static int component_row(const ph_quantity *q, ph_kinematics kin)
+{
+    return component(q->row, kin);
+}
+
+static int shear_row(const ph_quantity *q, ph_kinematics kin)
+{
+    return component(6 - q->row - q->column, kin);
 }
 
 static bool parse_young(ph_quantity *q)
@@ -206,9 +247,9 @@ static ph_status compliance_value(const ph_quantity *q, const ph_result *r, doub
 {
     ph_status st = PH_OK;
     ph_kinematics kin = r->grid.kinematics;
-    ph_sym4 s;
+    ph_sym4 c = completed(r), s;
     double voigt[36];
-    PH_TRY(ph_sym4_inverse(&r->stiffness, &s, err));
+    PH_TRY(ph_sym4_inverse(&c, &s, err));
     ph_sym4_to_voigt(&s, false, voigt);
     *out = voigt[component(q->row, kin) * s.n + component(q->column, kin)];
 out:
@@ -325,54 +366,62 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      young_word,
      refuses_axes,
      all_loads,
-     young_value},
+     young_value,
+     axis_row},
     {{"nu12 ... nu32", "nuij: minus strain j over strain i under stress i", "",
       "needs all loads"},
      parse_poisson,
      poisson_word,
      refuses_axes,
      all_loads,
-     poisson_value},
+     poisson_value,
+     axis_row},
     {{"G23 G13 G12", "shear moduli", "", "needs all loads"},
      parse_shear,
      shear_word,
      refuses_axes,
      all_loads,
-     shear_value},
+     shear_value,
+     shear_row},
     {{"C11 ... C66", "stiffness, Voigt, engineering shear", "",
       "needs one load; plane stress and strain: components 1, 2, 6"},
      parse_stiffness,
      stiffness_word,
      refuses_plane,
      one_load,
-     stiffness_value},
+     stiffness_value,
+     NULL},
     {{"S11 ... S66", "compliance, Voigt, engineering shear", "", "needs all loads"},
      parse_compliance,
      compliance_word,
      refuses_plane,
      all_loads,
-     compliance_value},
+     compliance_value,
+     component_row},
     {{"isotropic.E .nu .K .G .distance", "nearest isotropic tensor and distance to it",
       "", "K needs the normal loads, the others all"},
      parse_isotropic,
      isotropic_word,
      never_refuses,
      isotropic_loads,
-     isotropic_value},
+     isotropic_value,
+     NULL},
     {{"stretch.E1 stretch.E2", "Young's modulus from one stretch: C11 (1 - (C21/C11)^2)",
       "Ongaro2022", "plane stress, nearly isotropic; needs one load"},
      parse_stretch,
      stretch_word,
      refuses_space,
      one_load,
-     stretch_value},
+     stretch_value,
+     NULL},
     {{"fraction.MATERIAL", "volume fraction of a material in the realisation", "",
       "needs no load"},
      parse_fraction,
      fraction_word,
      never_refuses,
      no_load,
-     fraction_value},
+     fraction_value,
+     NULL},
     {{"NAME(t=1) NAME_storage(omega=1) ...",
       "a constant that relaxes at a time; its storage, loss, tan delta at a frequency",
       "", "a material must relax; C, E, nu, G, isotropic.*"},
@@ -380,7 +429,8 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      ph_i_relaxing_word,
      ph_i_relaxing_refuses,
      ph_i_relaxing_loads,
-     ph_i_relaxing_value},
+     ph_i_relaxing_value,
+     NULL},
 };
 const size_t ph_nquantity_kinds = sizeof ph_quantity_kinds / sizeof *ph_quantity_kinds;
 
@@ -439,7 +489,8 @@ ph_status ph_quantity_value(const ph_quantity *q, const ph_result *result, doubl
     /* a single load is looked for by the kind: C_ij has two columns to come from */
     unsigned need = q->kind->loads(q, kin);
     bool one = (need & (need - 1u)) == 0;
-    PH_CHECK(one || (result->loads & need) == need, PH_EINVAL,
+    bool alone = q->kind->row && stands_alone(result, q->kind->row(q, kin));
+    PH_CHECK(one || alone || (result->loads & need) == need, PH_EINVAL,
              "%s: a load that it needs was not solved", q->name);
     PH_TRY(q->kind->value(q, result, &value, err));
     PH_CHECK(isfinite(value), PH_ESINGULAR, "%s is not finite", q->name);

@@ -202,8 +202,7 @@ static json_t *solver_to_json(const ph_solver_params *s, bool *good)
 
 static json_t *case_to_json(const ph_case *c, bool *good)
 {
-    json_t *map = json_object(), *units = json_object(), *materials = json_object(),
-           *output = json_object();
+    json_t *map = json_object(), *units = json_object(), *materials = json_object();
     ph_i_json_set(units, "length", json_string(c->unit_length), good);
     ph_i_json_set(units, "stress", json_string(c->unit_stress), good);
     ph_i_json_set(units, "time", json_string(c->unit_time), good);
@@ -218,7 +217,6 @@ static json_t *case_to_json(const ph_case *c, bool *good)
                           : material_to_json(m, good),
                       good);
     }
-    ph_i_json_set(output, "fields", json_boolean(c->fields), good);
     ph_i_json_set(map, "perihom", json_integer(1), good);
     ph_i_json_set(map, "title", json_string(c->title), good);
     ph_i_json_set(map, "units", units, good);
@@ -239,7 +237,7 @@ static json_t *case_to_json(const ph_case *c, bool *good)
     if (c->viscoelastic.given || ph_case_relaxes(c))
         ph_i_json_set(map, "viscoelastic",
                       ph_i_viscoelastic_to_json(&c->viscoelastic, good), good);
-    ph_i_json_set(map, "output", output, good);
+    ph_i_json_set(map, "output", ph_i_output_to_json(c, good), good);
     ph_i_json_set(map, "error_bar", ph_i_error_bar_to_json(c, good), good);
     ph_i_accuracy_to_json(c, map, good);
     return map;

@@ -12,7 +12,6 @@ static const char *const power_law_keys[] = {"power_law"};
 static const char *const stabilisation_keys[] = {"spectral", "subpoint"};
 static const char *const constraint_keys[] = {"kind", "collar"};
 static const char *const solver_keys[] = {"kind", "tolerance", "max_iterations"};
-static const char *const output_keys[] = {"fields"};
 
 static void read_kind(ph_i_reader *r, const ph_i_node *node, ph_model_params *model)
 {
@@ -215,12 +214,4 @@ void ph_i_read_solver(ph_i_reader *r, const ph_i_node *node)
         ph_i_read_integer(r, child, 1, 1000000000, "must be an integer from 1 to 1e9",
                           &iterations);
     solver->max_iterations = (int)iterations;
-}
-
-void ph_i_read_output(ph_i_reader *r, const ph_i_node *node)
-{
-    if (!node || !ph_i_read_map(r, node, "must be a map such as {fields: true}")) return;
-    ph_i_check_keys(r, node, (ph_i_names)PH_I_NAMES(output_keys), "output");
-    const ph_i_node *fields = ph_i_get(node, "fields");
-    if (fields) ph_i_read_flag(r, fields, &r->c->fields);
 }

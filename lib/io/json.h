@@ -68,6 +68,7 @@ ph_status ph_i_json_read_damage_law(const json_t *from, int n, ph_damage_law **o
                                     ph_error *err);
 /** `error_bar` (case_error_bar.c). */
 json_t *ph_i_error_bar_to_json(const ph_case *c, bool *good);
+json_t *ph_i_output_to_json(const ph_case *c, bool *good);
 /** A viscoelastic material and `viscoelastic` (case_viscoelastic_json.c). */
 json_t *ph_i_relaxation_to_json(const ph_case_relaxation *x, double density, bool *good);
 json_t *ph_i_viscoelastic_to_json(const ph_case_viscoelastic *v, bool *good);

@@ -357,6 +357,25 @@ out:
     return st;
 }
 
+/* What the case asks for, each by itself. */
+static ph_status put_constants(draft_document *d, json_t *effective, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *list;
+    if (!d->c || d->c->nconstants == 0) return PH_OK;
+    PH_TRY(section(effective, "constants", &list, err));
+    for (int i = 0; i < d->c->nconstants; i++) {
+        const ph_quantity *q = &d->c->constants[i];
+        ph_error why = PH_ERROR_INIT;
+        double x = (double)NAN;
+        ph_quantity_value(q, d->result, &x, &why);
+        PH_TRY(ph_i_json_put_number(list, "effective.constants", q->name, x, d->reasons,
+                                    why.msg, err));
+    }
+out:
+    return st;
+}
+
 static ph_status put_effective(draft_document *d, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -372,6 +391,7 @@ static ph_status put_effective(draft_document *d, ph_error *err)
     PH_TRY(put_stiffness(d, effective, missing, err));
     if (d->result->bond.present) PH_TRY(put_bond(d, effective, missing, err));
     PH_TRY(put_derived(d, effective, missing, err));
+    PH_TRY(put_constants(d, effective, err));
     if (d->result->damage)
         PH_TRY(ph_i_json_damage(d->result, effective, d->reasons, err));
     if (d->result->failure)

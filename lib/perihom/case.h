@@ -5,6 +5,7 @@
 #include <perihom/distribution.h>
 #include <perihom/history.h>
 #include <perihom/homogenise.h>
+#include <perihom/quantity.h>
 #include <perihom/shift.h>
 
 #include <stdint.h>
@@ -129,6 +130,8 @@ typedef enum ph_crack_kind {
     PH_CRACKS_RANDOM /* a population: lines in 2D, disks in 3D */
 } ph_crack_kind;
 
+#define PH_MAX_CONSTANTS 16 /* of output.constants */
+
 /** An entry of `cracks` of a case file. Lengths in case units, angles in degrees. */
 typedef struct ph_crack_entry {
     int line;
@@ -218,6 +221,8 @@ typedef struct ph_case {
     unsigned error_parts; /* bit i: ph_error_parts[i] is estimated; 0: no error bars */
     ph_case_accuracy accuracy;
     bool fields;
+    int nconstants; /* that are asked for; 0: the whole tensor */
+    ph_quantity constants[PH_MAX_CONSTANTS];
 } ph_case;
 
 /** Whether a material of the case relaxes. */

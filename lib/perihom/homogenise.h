@@ -73,7 +73,11 @@ typedef struct ph_problem {
     ph_model_params model;
     ph_constraint_params constraint;
     ph_solver_params solver;
-    unsigned loads;          /* bit a: solve macro strain a; 0: all */
+    unsigned loads; /* bit a: solve macro strain a; 0: all */
+    /* [nconstants] only the loads that these quantities of the result need, instead of
+     * `loads`; 0: `loads`. Fewer than ph_quantity_loads in a symmetric cell. */
+    int nconstants;
+    const struct ph_quantity *constants;
     bool keep_fields;        /* keep displacement, strain, stress of each load */
     const ph_cracks *cracks; /* NULL or none: no bond is broken */
     const ph_crack_sequence *sequence; /* of the cracks; NULL: as they are */

@@ -34,6 +34,9 @@ typedef struct ph_quantity_kind {
     unsigned (*loads)(const ph_quantity *q, ph_kinematics kin);
     ph_status (*value)(const ph_quantity *q, const ph_result *r, double *out,
                        ph_error *err);
+    /* Component whose row of the compliance it is taken from; NULL: it is not. Then the loads
+     * that are coupled to this one are enough. */
+    int (*row)(const ph_quantity *q, ph_kinematics kin);
 } ph_quantity_kind;
 PH_API extern const ph_quantity_kind ph_quantity_kinds[];
 PH_API extern const size_t ph_nquantity_kinds;
@@ -45,11 +48,13 @@ PH_API ph_status ph_quantity_find(const char *name, ph_quantity *out, ph_error *
 /** Why results of this kinematics do not have it ("E3 needs three dimensions or ..."), or
  *  NULL. */
 PH_API const char *ph_quantity_refuses(const ph_quantity *q, ph_kinematics kin);
-/** The loads that it needs (bit a: macro strain a, as ph_problem.loads): C11 one, isotropic.K
- *  the normal ones, E1 all, because it needs the inverse. 0: no load, nothing to solve. */
+/** The loads that it needs of any cell (bit a: macro strain a, as ph_problem.loads): C11 one,
+ *  isotropic.K the normal ones, E1 all, because it needs the inverse. 0: no load, nothing to
+ *  solve. Of a cell whose symmetry decouples some of them see ph_problem.constants. */
 PH_API unsigned ph_quantity_loads(const ph_quantity *q, ph_kinematics kin);
 /** Its value. C_ij comes from load i where that was solved, else from load j; they differ by
- *  the tolerance of the solver (a result with all loads is symmetric).
+ *  the tolerance of the solver (a result with all loads is symmetric). E, nu, G and S are taken
+ *  from the columns that are there if these are exactly zero in the rows of the others.
  *  @param[out] out untouched on failure
  *  @return PH_OK; PH_EINVAL (the kinematics has none, a load it needs was not solved, no
  *          such material); PH_ESINGULAR (no inverse). */

@@ -87,7 +87,12 @@ static ph_status solve(const ph_scenario *s, const ph_problem *problem, const ph
     ph_viscoelastic *v = NULL;
     for (int i = 0; i < s->noutputs; i++)
         relaxes |= isfinite(s->output[i].at);
-    if (!relaxes || !ph_case_relaxes(s->c)) return ph_homogenise(problem, ctx, out, err);
+    if (!relaxes || !ph_case_relaxes(s->c)) {
+        ph_problem elastic = *problem;
+        elastic.nconstants = s->noutputs;
+        elastic.constants = s->output;
+        return ph_homogenise(&elastic, ctx, out, err);
+    }
     const ph_relaxation_params params = {.route = s->c->viscoelastic.route,
                                          .tolerance = s->c->viscoelastic.tolerance};
     PH_TRY(ph_viscoelastic_solve(problem, &params, ctx, &v, err));

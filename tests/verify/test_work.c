@@ -175,11 +175,88 @@ static void test_history(void **state)
     CHECK_END();
 }
 
+/* Loads that a case asking for some constants solves, whose values are those of the whole
+ * tensor to the tolerance of the solver. */
+static void check_constants(const char *const *sets, long loads)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_result *some = NULL, *all = NULL;
+    scene s = set_up(disk, sets);
+    if (!s.c) return;
+    s.problem.solver.tolerance = 1e-9;
+    CHECK_OK(ph_homogenise(&s.problem, &(ph_ctx){.threads = 1}, &all, &err));
+    s.problem.nconstants = s.c->nconstants;
+    s.problem.constants = s.c->constants;
+    CHECK_OK(ph_homogenise(&s.problem, &(ph_ctx){.threads = 1}, &some, &err));
+    for (int i = 0; some && all && i < s.c->nconstants; i++) {
+        double x = NAN, y = NAN;
+        CHECK_OK(ph_quantity_value(&s.c->constants[i], some, &x, &err));
+        CHECK_OK(ph_quantity_value(&s.c->constants[i], all, &y, &err));
+        CHECK_REL(x, y, 1e-7); /* the residual 1e-9 times the contrast of 10 */
+    }
+    CHECK(some && some->work.loads == loads && some->nloads == (int)loads);
+    ph_result_free(&some);
+    ph_result_free(&all);
+    clear(&s);
+}
+
+/* The disk off the middle has a mirror plane at most (generalised strain), the one in the
+ * middle is square; a cube with a sphere is cubic. */
+static void test_constants(void **state)
+{
+    (void)state;
+    static const char middle[] = "microstructure.inclusions=[{shape: disk, centre: "
+                                 "[0.5, 0.5], radius: 0.3, material: f}]";
+    static const char thick[] = "microstructure.plane=generalised_strain";
+    const struct {
+        const char *set[MOST_SETS];
+        long loads;
+    } asked[] = {{{"output.constants=[C11]"}, 1},
+                 {{"output.constants=[C12]"}, 1},
+                 {{"output.constants=[C11, C66]"}, 2},
+                 {{"output.constants=[isotropic.K]"}, 2},
+                 {{"output.constants=[E1]"}, 3},
+                 {{"output.constants=[E1]", thick}, 4},
+                 {{"output.constants=[G13]", thick}, 2},
+                 {{"output.constants=[E1]", middle}, 1},
+                 {{"output.constants=[E1, nu12]", middle}, 1},
+                 {{"output.constants=[G12]", middle}, 1},
+                 {{"output.constants=[G13]", middle, thick}, 1},
+                 {{"output.constants=[E1]", middle, thick}, 2}};
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; i++)
+        check_constants(asked[i].set, asked[i].loads);
+    CHECK_END();
+}
+
+/* Of a result with the columns 11 and 12, say, what hangs on the others does not exist. */
+static void test_missing_constants(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_result *some = NULL;
+    scene s = set_up(disk, (const char *const[]){"output.constants=[C11]", NULL});
+    if (!s.c) return;
+    s.problem.nconstants = s.c->nconstants;
+    s.problem.constants = s.c->constants;
+    CHECK_OK(ph_homogenise(&s.problem, &(ph_ctx){.threads = 1}, &some, &err));
+    static const char *const missing[] = {"C22", "E1", "G12", "S11", "isotropic.E"};
+    for (size_t i = 0; some && i < sizeof missing / sizeof *missing; i++) {
+        ph_quantity q;
+        double x = 7;
+        CHECK_OK(ph_quantity_find(missing[i], &q, &err));
+        CHECK(ph_quantity_value(&q, some, &x, NULL) == PH_EINVAL && x == 7);
+    }
+    ph_result_free(&some);
+    clear(&s);
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_elastic), cmocka_unit_test(test_nothing_to_solve),
-        cmocka_unit_test(test_collar), cmocka_unit_test(test_bonds),
-        cmocka_unit_test(test_history)};
+        cmocka_unit_test(test_elastic),          cmocka_unit_test(test_nothing_to_solve),
+        cmocka_unit_test(test_collar),           cmocka_unit_test(test_bonds),
+        cmocka_unit_test(test_history),          cmocka_unit_test(test_constants),
+        cmocka_unit_test(test_missing_constants)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
