@@ -22,6 +22,8 @@ libfftw3-dev libhdf5-dev libopenblas-dev libyaml-dev libjansson-dev libpng-dev l
 python3 python3-cffi python3-dev python3-numpy gfortran"
 # Programs that the tests let read what perihom writes.
 test_packages="calculix-ccx"
+# The same, but large (145 packages, 160 MB to fetch): its tests are skipped without it.
+optional_packages="python3-sfepy"
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 die() {
@@ -29,8 +31,8 @@ die() {
     exit 1
 }
 
-missing_packages() {
-    for p in $packages; do
+missing_packages() { # of a list
+    for p in $1; do
         dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || printf ' %s' "$p"
     done
 }
@@ -50,7 +52,7 @@ install_missing() {
         say "no dpkg here; assuming that the libraries are installed"
         return 0
     }
-    missing=$(missing_packages)
+    missing=$(missing_packages "$packages")
     [ -z "$missing" ] && return 0
     say "installing$missing"
     as_root apt-get -qq update >&2 || {
@@ -63,6 +65,18 @@ install_missing() {
         die "could not install$missing
 setup: the packages are not at hand and the archive is not reachable; connect this machine, or
 setup: install them from a mirror, and start again"
+}
+
+# Fetching gets four minutes; what is fetched is installed to the end.
+install_optional() {
+    command -v dpkg-query >/dev/null || return 0
+    missing=$(missing_packages "$optional_packages")
+    [ -z "$missing" ] && return 0
+    say "installing$missing for some of the tests"
+    # shellcheck disable=SC2086  # a list of packages
+    (as_root timeout 240 apt-get -qq install -y --no-install-recommends --download-only $missing >&2 &&
+        as_root apt-get -qq install -y --no-install-recommends $missing >&2) ||
+        say "without$missing: its tests will be skipped"
 }
 
 build_all() {
@@ -140,6 +154,7 @@ run)
 test)
     packages="$packages $test_packages"
     install_missing
+    install_optional
     build_all
     run_tests
     ;;

@@ -87,6 +87,7 @@ ph_status ph_fe2_new(const ph_problem *problem, const ph_fe2_params *params,
     if (!params) params = &defaults;
     PH_TRY(check_input(problem, params, err));
     PH_ALLOC(f, 1, "FE2");
+    f->owners = 1;
     pthread_mutex_init(&f->lock, NULL);
     f->problem = *problem;
     f->problem.loads = 0;
@@ -123,10 +124,13 @@ out:
     return st;
 }
 
-void ph_fe2_free(ph_fe2 **fe2)
+/* One owner less; the last one takes all with it. */
+static void disown(ph_fe2 *f)
 {
-    if (!fe2 || !*fe2) return;
-    ph_fe2 *f = *fe2;
+    pthread_mutex_lock(&f->lock);
+    const bool last = --f->owners <= 0;
+    pthread_mutex_unlock(&f->lock);
+    if (!last) return;
     while (f->worker) {
         ph_fe2_worker *w = f->worker;
         f->worker = w->next;
@@ -140,6 +144,12 @@ void ph_fe2_free(ph_fe2 **fe2)
     }
     pthread_mutex_destroy(&f->lock);
     free(f);
+}
+
+void ph_fe2_free(ph_fe2 **fe2)
+{
+    if (!fe2 || !*fe2) return;
+    disown(*fe2);
     *fe2 = NULL;
 }
 
@@ -176,6 +186,7 @@ ph_status ph_fe2_point_new(ph_fe2 *fe2, ph_fe2_point **out, ph_error *err)
     p->fe2 = fe2;
     p->at = fe2->root;
     pthread_mutex_lock(&fe2->lock);
+    fe2->owners++;
     ph_i_fe2_hold(fe2, p->at);
     pthread_mutex_unlock(&fe2->lock);
     *out = p;
@@ -199,6 +210,7 @@ void ph_fe2_point_free(ph_fe2_point **point)
     pthread_mutex_lock(&f->lock);
     ph_i_fe2_drop(f, &(*point)->at);
     pthread_mutex_unlock(&f->lock);
+    disown(f);
     free(*point);
     *point = NULL;
 }

@@ -71,6 +71,7 @@ typedef struct ph_fe2_worker {
 } ph_fe2_worker;
 
 struct ph_fe2 {
+    ptrdiff_t owners; /* its points, and who made it */
     ph_problem problem;
     ph_loading loading;
     double to;

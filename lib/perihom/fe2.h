@@ -40,7 +40,7 @@ typedef struct ph_fe2_point ph_fe2_point;
  *  @return PH_OK; what ph_homogenise and its loading return. */
 PH_API ph_status ph_fe2_new(const ph_problem *problem, const ph_fe2_params *params,
                             const ph_ctx *ctx, ph_fe2 **out, ph_error *err);
-/** Its points must have been freed. */
+/** Lets go of it; what it holds goes with its last point. */
 PH_API void ph_fe2_free(ph_fe2 **fe2);
 PH_API ph_fe2_kind ph_fe2_kind_of(const ph_fe2 *fe2);
 /** Components of strain and stress: 6 (Voigt 11 22 33 23 13 12), or 3 (11 22 12). */

@@ -113,8 +113,7 @@ class Points:
         for i in range(count):
             out, err = ffi.new("ph_fe2_point **"), ffi.new("ph_error *")
             _check(lib.ph_fe2_point_new(rve._c, out, err), err)
-            # the default argument keeps the RVE alive as long as its points
-            self._c.append(ffi.gc(out[0], lambda p, rve=rve._c: lib.ph_fe2_point_free(ffi.new("ph_fe2_point **", p))))
+            self._c.append(_owned(out[0], "ph_fe2_point", lib.ph_fe2_point_free))
             self._array[i] = out[0]
 
     def __len__(self):
