@@ -57,25 +57,3 @@ bool case_solves(const ph_case *c)
     return strcmp(c->constraint.kind, "voigt") != 0 &&
            strcmp(c->constraint.kind, "reuss") != 0;
 }
-<<<<<<< HEAD
-=======
-
-ph_problem case_problem(const ph_case *c, const ph_microstructure *micro,
-                        const ph_crack_plan *plan)
-{
-    return (ph_problem){
-        .micro = micro,
-        .interface = c->interface,
-        .model = c->model,
-        .constraint = c->constraint,
-        .solver = c->solver,
-        .keep_fields = c->fields,
-        .nconstants = c->nconstants,
-        .constants = c->constants,
-        .cracks = &plan->cracks,
-        .sequence = &plan->sequence,
-        .failure = c->failure.material ? &c->failure : NULL,
-        .loading = c->loading.ntargets ? &c->loading : NULL,
-    };
-}
->>>>>>> 0655f6c (A case may ask for some constants: only the loads that they need in its cell are solved)
