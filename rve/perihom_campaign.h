@@ -132,6 +132,7 @@ typedef struct ph_campaign {
     ph_stopping stopping;
     double relative_error; /* in place of a half width: that of grid and interval together
                             * (ph_estimation_rule.total), over the mean; 0: not asked for */
+    double grid_error;     /* of the grid that ph_campaign_settle chose, over the mean */
     int judged;            /* the output of the stopping rule, or -1 */
     bool common_random_numbers;
     /* Variance reduction: cheaper models of each point, with the same realisations. */
@@ -165,6 +166,35 @@ PH_API ph_status ph_campaign_parse(const char *text, size_t length, const char *
 PH_API void ph_campaign_free(ph_campaign **campaign);
 /** Why the discretisation of output k at a point cannot be had from its models; NULL: it can. */
 PH_API const char *ph_campaign_no_grid(const ph_campaign *c, int point, int k);
+/** What ph_campaign_settle chose. */
+typedef struct ph_campaign_split {
+    double accuracy;    /* relative error of the mean, grid and interval together */
+    double grid;        /* estimated error of the grid; 0: there was nothing to split */
+    double half_width;  /* what is left for the interval, relative */
+    ptrdiff_t nodes[3]; /* of every point */
+    int pilots;         /* realisations that were solved for it */
+    double seconds;
+} ph_campaign_split;
+
+/** Choose the grid of a campaign whose case asks for an accuracy in place of nodes, with
+ *  `realisations.until.relative_error` t and no variance reduction.
+ *
+ *  A realisation on n nodes an axis costs n^d and has an error a / n of the grid, N of them
+ *  leave an interval of half width z s / sqrt(N). The cheapest N n^d with a / n + z s / sqrt(N)
+ *  = t has
+ *
+ *      error of the grid  t d / (d + 2),    half width  2 t / (d + 2),
+ *
+ *  whatever a, z and s. Realisation 0 of every point is solved to that error of the grid
+ *  (ph_fidelity_solve); all points get the finest of these grids, and the interval the rest of
+ *  t over the estimate. The size of the RVE stays that of the case.
+ *  @param[in,out] c read again with the nodes; as it was on failure, and where no point is open
+ *  @return PH_OK; PH_EINVAL (points of different boxes); as ph_fidelity_solve, with
+ *          PH_ENOCONV where the budget of the case ends before. Uses one thread, so that the
+ *          campaign may fork after it. Tested: tests/unit/test_settle.c */
+PH_API ph_status ph_campaign_settle(ph_campaign **c, const char *const *sets,
+                                    size_t nsets, const ph_ctx *ctx,
+                                    ph_campaign_split *out, ph_error *err);
 /** The realisation that number i of a point is: i itself, so that all points see the same
  *  random numbers; without common random numbers point 2^32 + i. */
 PH_API uint64_t ph_campaign_realisation(const ph_campaign *c, int point, int64_t i);

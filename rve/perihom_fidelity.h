@@ -38,8 +38,8 @@ typedef struct ph_fidelity_step {
         estimate; /* of the error of what is offered, worst constant; NaN: of a first grid */
     bool improved; /* by the coarser grid */
     ph_work work;
-    double operations; /* ph_trade_work */
-    double seconds;    /* wall clock */
+    double operations;   /* ph_trade_work */
+    double seconds, cpu; /* wall clock; CPU time of the process */
 } ph_fidelity_step;
 
 /** How an accuracy was reached, or not. Owns its parts. */
@@ -51,9 +51,9 @@ typedef struct ph_fidelity {
     double error;       /* estimated, of the result, worst constant */
     ptrdiff_t nodes[3]; /* of the result */
     double tolerance;
-    bool improved;              /* its stiffness is extrapolated */
-    double operations, seconds; /* of all steps */
-    char missing[320];          /* not reached: what it would take; else "" */
+    bool improved;                   /* its stiffness is extrapolated */
+    double operations, seconds, cpu; /* of all steps */
+    char missing[320];               /* not reached: what it would take; else "" */
     ph_case
         settings; /* the case with what was chosen; borrows its arrays from the case */
     ph_microstructure *micro;

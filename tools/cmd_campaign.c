@@ -179,6 +179,28 @@ out:
     return st;
 }
 
+/* A case that asks for an accuracy: a pilot chooses its grid. */
+static ph_status settle(campaign *m, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const campaign_options *o = m->options;
+    ph_campaign_split split = {0};
+    progress p;
+    progress_start(&p, progress_choose(o->quiet, o->verbose, o->progress));
+    const ph_ctx ctx = {.progress = progress_step, .user = &p, .threads = 1};
+    st = ph_campaign_settle(&m->c, o->set.item, o->set.count, &ctx, &split, err);
+    progress_end(&p);
+    PH_TRY(st);
+    if (split.pilots > 0 && !o->quiet)
+        talk(
+            "%g %%: %td nodes along axis 1 are off by about %.2g %%, the interval may be "
+            "%.2g %% wide to each side",
+            100 * split.accuracy, split.nodes[0], 100 * split.grid,
+            100 * split.half_width);
+out:
+    return st;
+}
+
 static ph_status run(campaign *m, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -234,6 +256,7 @@ static int run_campaign(campaign *m)
     ph_error err = PH_ERROR_INIT, second = PH_ERROR_INIT;
     interrupt_install();
     ph_status st = choose_folder(m, &err);
+    if (st == PH_OK) st = settle(m, &err);
     if (st == PH_OK) st = run(m, &err);
     if (m->result) {
         ph_status written = write_files(m, &second);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Calibration files. */
 #include "calibrate/file.h"
+#include "campaign/campaign.h"
 #include "io/read_file.h"
 
 #include <math.h>
@@ -297,6 +298,7 @@ static ph_status read_case(ph_fit_file *f, ph_case_issues *issues, ph_error *err
         st = ph_i_fit_case(f, p, start, &c, issues, err);
         if (st != PH_OK) ph_error_prefix(err, "%s:%d: ", f->data_path, f->line[p]);
         PH_TRY(st);
+        PH_CHECK(!ph_i_is_open(c), PH_EINVAL, "%s: %s", f->case_path, ph_i_open_words);
         for (int o = 0; o < f->noutputs; o++) {
             st = ph_scenario_admits(c, &f->output[o], err);
             if (st != PH_OK) ph_error_prefix(err, "%s: data.columns: ", f->path);

@@ -263,6 +263,10 @@ void ph_i_path_in(const char *folder, const char *name, char *out, size_t size);
 
 /* ---- scenario.c */
 
+/** The case leaves its grid to an accuracy; and what is said where it must not. */
+bool ph_i_is_open(const ph_case *c);
+extern const char ph_i_open_words[];
+
 /** The result of a scenario's realisation. @param[out] out on failure: as ph_homogenise */
 ph_status ph_i_scenario_solve(const ph_scenario *s, const ph_ctx *ctx, ph_result **out,
                               ph_error *err);

@@ -168,7 +168,9 @@ static ph_status put_rule(json_t *root, const ph_campaign *c, ph_error *err)
         PH_TRY(ph_i_json_put(map, "half_width", json_real(s->half_width), err));
     else if (c->relative_error > 0.0)
         PH_TRY(ph_i_json_put(map, "relative_error", json_real(c->relative_error), err));
-    else
+    if (c->grid_error > 0.0)
+        PH_TRY(ph_i_json_put(map, "grid_error", json_real(c->grid_error), err));
+    if (s->half_width == 0.0 && s->relative_half_width > 0.0)
         PH_TRY(ph_i_json_put(map, "relative_half_width",
                              json_real(s->relative_half_width), err));
 out:

@@ -147,6 +147,12 @@ static void check_outputs(ph_i_reader *r, const ph_i_node *root, const ph_campai
                           int point)
 {
     const ph_i_node *list = ph_i_get(root, "outputs");
+    bool settled = c->relative_error > 0 && c->nmodels <= 1; /* ph_campaign_settle */
+    if (ph_i_is_open(c->point[point].c) && !settled)
+        ph_i_complain_line(r, 0,
+                           "point %d: %s, or realisations.until.relative_error without "
+                           "variance_reduction",
+                           point, ph_i_open_words);
     for (int i = 0; i < c->noutputs; i++) {
         ph_error why = PH_ERROR_INIT;
         if (ph_scenario_admits(c->point[point].c, &c->output[i], &why) != PH_OK &&
@@ -190,6 +196,7 @@ static void check_total(ph_i_reader *r, const ph_case_issues *issues,
     for (size_t i = 0; i < issues->count; i++)
         if (!issues->item[i].warning) return; /* that is enough */
     const char *no = ph_campaign_no_grid(c, point, c->judged >= 0 ? c->judged : 0);
+    if (c->nmodels <= 1 && c->point[point].c->accuracy.relative > 0) no = NULL;
     if (c->relative_error > 0 && no)
         ph_i_complain_line(r, 0, "point %d: realisations.until.relative_error: %s", point,
                            no);

@@ -365,6 +365,12 @@ static ph_status check_params(const ph_campaign *c, const ph_campaign_params *p,
              "shard %d of %d: from 1 to the number of shards", p->shard, p->shards);
     PH_CHECK(p->jobs >= 0 && p->jobs <= 256 && p->threads >= 0, PH_EINVAL,
              "%d jobs of %d threads: 0 to 256 jobs are admissible", p->jobs, p->threads);
+    for (int i = 0; i < c->npoints; i++)
+        PH_CHECK(!c->point[i].c || !ph_i_is_open(c->point[i].c), PH_EINVAL, "%s",
+                 ph_i_open_words);
+    PH_CHECK(!(c->relative_error > 0) || c->nmodels > 1 ||
+                 c->stopping.relative_half_width > 0,
+             PH_EINVAL, "the error of the grid is not known: ph_campaign_settle");
 out:
     return st;
 }

@@ -47,10 +47,6 @@ ph_status ph_scenario_admits(const ph_case *c, const ph_quantity *q, ph_error *e
     PH_CHECK(c && q, PH_EINVAL, "NULL case or output");
     const char *no = ph_quantity_refuses(q, c->kinematics);
     bool there = strncmp(q->name, "fraction.", 9) != 0;
-    bool open = c->accuracy.relative > 0 && !(c->accuracy.given & PH_SETTING_NODES);
-    PH_CHECK(!open, PH_EINVAL,
-             "the case asks for an accuracy, which one solution finds the grid for: give "
-             "microstructure.nodes");
     PH_CHECK(!no, PH_EINVAL, "%s: %s", q->name, no);
     for (int m = 0; m < c->nmaterials && !there; m++)
         there = strcmp(c->materials[m].name, q->argument) == 0;
@@ -65,6 +61,7 @@ static ph_status check_outputs(const ph_scenario *s, ph_error *err)
     PH_CHECK(s && s->c && s->output, PH_EINVAL, "NULL scenario, case or outputs");
     PH_CHECK(s->noutputs >= 1 && s->noutputs <= PH_MAX_OUTPUTS, PH_EINVAL,
              "%d outputs: 1 to %d are admissible", s->noutputs, PH_MAX_OUTPUTS);
+    PH_CHECK(!ph_i_is_open(s->c), PH_EINVAL, "%s", ph_i_open_words);
     for (int i = 0; i < s->noutputs; i++)
         PH_TRY(ph_scenario_admits(s->c, &s->output[i], err));
 out:
@@ -106,6 +103,15 @@ static ph_status solve(const ph_scenario *s, const ph_problem *problem, const ph
 out:
     ph_viscoelastic_free(&v);
     return st;
+}
+
+const char ph_i_open_words[] =
+    "the case asks for an accuracy, for which one solution finds its grid: give "
+    "microstructure.nodes";
+
+bool ph_i_is_open(const ph_case *c)
+{
+    return c->accuracy.relative > 0 && !(c->accuracy.given & PH_SETTING_NODES);
 }
 
 ph_status ph_i_scenario_solve(const ph_scenario *s, const ph_ctx *ctx, ph_result **out,

@@ -31,6 +31,7 @@ static json_t *step_json(const ph_fidelity *f, const ph_fidelity_step *s, bool *
     ph_i_json_set(map, "peak_bytes", json_integer((json_int_t)s->work.peak_bytes), good);
     ph_i_json_set(map, "operations", json_real(s->operations), good);
     ph_i_json_set(map, "seconds", json_real(s->seconds), good);
+    ph_i_json_set(map, "cpu_seconds", json_real(s->cpu), good);
     return map;
 }
 
@@ -71,6 +72,7 @@ static json_t *fidelity_json(const ph_fidelity *f, bool *good)
     ph_i_json_set(map, "steps", steps, good);
     ph_i_json_set(map, "operations", json_real(f->operations), good);
     ph_i_json_set(map, "seconds", json_real(f->seconds), good);
+    ph_i_json_set(map, "cpu_seconds", json_real(f->cpu), good);
     return map;
 }
 

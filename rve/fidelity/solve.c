@@ -74,10 +74,12 @@ static ph_case with_settings(const search *s, ptrdiff_t n)
     return mine;
 }
 
-static void note_step(search *s, const ph_case *mine, const ph_result *r, double seconds)
+static void note_step(search *s, const ph_case *mine, const ph_result *r, double seconds,
+                      double cpu)
 {
     ph_fidelity *f = s->f;
     f->seconds += seconds;
+    f->cpu += cpu;
     f->operations += r ? ph_trade_work(r) : 0;
     if (f->nsteps == PH_FIDELITY_STEPS) return;
     ph_fidelity_step *step = &f->step[f->nsteps++];
@@ -91,6 +93,7 @@ static void note_step(search *s, const ph_case *mine, const ph_result *r, double
     if (r) step->work = r->work;
     step->operations = r ? ph_trade_work(r) : 0;
     step->seconds = seconds;
+    step->cpu = cpu;
 }
 
 /* May the tolerance be lower than it is? */
@@ -103,12 +106,13 @@ static bool may_tighten(const search *s)
 static ph_status solve_once(search *s, const ph_case *mine, solution *out, ph_error *err)
 {
     ph_status st = PH_OK;
-    double start = now();
+    double start = now(), cpu = ph_i_cpu_seconds();
     PH_TRY(ph_rve_build(mine, &out->micro, err));
     PH_TRY(ph_rve_cracks(mine, &out->cracks, err));
     const ph_problem problem = ph_rve_problem(mine, out->micro, out->cracks);
     st = ph_homogenise(&problem, s->ctx, &out->result, err);
-    if (st == PH_OK || st == PH_ENOCONV) note_step(s, mine, out->result, now() - start);
+    if (st == PH_OK || st == PH_ENOCONV)
+        note_step(s, mine, out->result, now() - start, ph_i_cpu_seconds() - cpu);
 out:
     return st;
 }
