@@ -67,10 +67,10 @@ void ph_fidelity_free(ph_fidelity **f)
 static ph_case with_settings(const search *s, ptrdiff_t n)
 {
     ph_case mine = *s->c; /* borrows the arrays */
-    if (s->f->plan.fixed && n == ph_i_fidelity_longest(s->c->nodes))
-        return mine.solver.tolerance = s->f->tolerance, mine;
-    ph_i_fidelity_grid(s->c, n, mine.nodes);
+    mine.nconstants = 0;  /* the whole tensor: it is combined with another one */
     mine.solver.tolerance = s->f->tolerance;
+    if (!s->f->plan.fixed || n != ph_i_fidelity_longest(s->c->nodes))
+        ph_i_fidelity_grid(s->c, n, mine.nodes);
     return mine;
 }
 
