@@ -348,16 +348,24 @@ static ph_status find_symmetry(ph_run *r, ph_error *err)
     return ph_i_symmetry_find(&r->setting.box, r->map, &r->symmetry, err);
 }
 
+ph_status ph_i_run_check_analytic(const ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(
+        !r->constraint->analytic || !ph_i_has_cracks(r->problem), PH_EINVAL,
+        "constraint %s solves no equations and knows nothing of cracks: take periodic "
+        "or linear_displacement",
+        r->constraint->info.name);
+out:
+    return st;
+}
+
 static ph_status answer(ph_run *r, double *solving, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
     const char *name = r->constraint->info.name;
-    PH_CHECK(
-        !r->constraint->analytic || !ph_i_has_cracks(r->problem), PH_EINVAL,
-        "constraint %s solves no equations and knows nothing of cracks: take periodic "
-        "or linear_displacement",
-        name);
+    PH_TRY(ph_i_run_check_analytic(r, err));
     if (r->constraint->analytic) {
         bool upper = strcmp(name, "voigt") == 0;
         analytic_answer(res, upper ? &res->voigt : &res->reuss, name);

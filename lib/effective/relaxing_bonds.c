@@ -126,6 +126,8 @@ ph_status ph_i_relaxing_bonds_make(ph_relaxing_bonds *b, int slot, double infini
     }
     ph_route route = ph_i_springs_route(b->own);
     ph_i_springs_free(&b->springs[slot]);
-    return ph_i_springs_new(&b->op->layout, b->op->fft, b->own->family, table, route,
-                            b->op->threads, b->op->meter, &b->springs[slot], err);
+    st = ph_i_springs_new(&b->op->layout, b->op->fft, b->own->family, table, route,
+                          b->op->threads, b->op->meter, &b->springs[slot], err);
+    if (st == PH_OK) b->springs[slot]->broken = b->own->broken;
+    return st;
 }

@@ -28,9 +28,6 @@ ph_status ph_i_run_relaxing(ph_run *r, ph_error *err)
     PH_CHECK(!r->constraint->analytic, PH_EINVAL,
              "constraint %s needs no equations, and no route that solves them",
              r->constraint->info.name);
-    PH_CHECK(!ph_i_has_cracks(r->problem), PH_EINVAL,
-             "the relaxation of a cracked cell is not computed: leave out the cracks, or "
-             "the relaxation");
     PH_TRY(build(r, err));
 out:
     return st;

@@ -44,11 +44,14 @@ typedef struct ph_run {
 ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 /** Decide what `auto` leaves open; map and setting of the box that is solved. */
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
+/** PH_EINVAL: cracks, and a constraint that solves no equations. */
+ph_status ph_i_run_check_analytic(const ph_run *run, ph_error *err);
 /** The operator and its solver. */
 ph_status ph_i_run_build(ph_run *run, ph_error *err);
 /** All of these for phases that relax, with the choices of `reduced`: `auto` sees the
  *  contrast of all times, (S) follows the phase that is softest late. Comes with problem and
- *  ctx. @return PH_EINVAL for a constraint without equations, and cracks */
+ *  ctx. Cracks are cut
+ *  as they are. @return PH_EINVAL for a constraint without equations, and a sequence */
 ph_status ph_i_run_relaxing(ph_run *run, ph_error *err);
 /** Time, memory and counts of a run that began at `start`, into its result. */
 double ph_i_run_now(void);

@@ -59,6 +59,7 @@ static double least_eigenvalue(const ph_visco *v)
     /* Held nodes: the preconditioner lacks the mean, which is no rigid motion there. */
     if (v->run.setting.fixed || v->run.constraint->by_stress) return 0.0;
     if (strcmp(v->run.solver->info.name, "fft_cg") != 0) return 0.0;
+    if (v->run.broken) return 0.0; /* softer than any phase */
     if (v->run.op->springs)
         return fmin(1.0, ph_i_bond_functions_least(&v->bonds, v->run.classes) /
                              map->middle.m[0][0]);
@@ -217,8 +218,8 @@ static ph_status without_equations(ph_visco *v, bool *done, ph_error *err)
         *done = true;
         return PH_OK;
     }
-    if (r->result->bond.present || !is_one_material(r->map) || r->setting.source ||
-        r->map->index[0] >= r->map->materials)
+    if (r->result->bond.present || r->broken || !is_one_material(r->map) ||
+        r->setting.source || r->map->index[0] >= r->map->materials)
         return PH_OK;
     PH_ALLOC(only, r->map->materials, "fractions");
     only[r->map->index[0]] = 1.0;
@@ -262,6 +263,24 @@ out:
     return st;
 }
 
+/* The cracks as they are, before the operator is made. */
+static ph_status cut_cracks(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_problem *p = r->problem;
+    bool outside = r->setting.source && p->constraint.collar == PH_COLLAR_MATRIX;
+    if (!r->broken) return PH_OK;
+    PH_CHECK(!p->sequence || p->sequence->kind == PH_SEQUENCE_NONE, PH_EINVAL,
+             "a cell that relaxes has its cracks from the beginning: leave out the "
+             "sequence");
+    if (p->cracks)
+        PH_TRY(ph_i_cracks_cut(p->cracks, &r->result->grid, r->setting.first, outside,
+                               r->broken, err));
+    ph_i_broken_seen(r->broken);
+out:
+    return st;
+}
+
 ph_status ph_i_visco_choose(ph_visco *v, const ph_problem *problem, const ph_ctx *ctx,
                             ph_error *err)
 {
@@ -269,7 +288,12 @@ ph_status ph_i_visco_choose(ph_visco *v, const ph_problem *problem, const ph_ctx
     *v = (ph_visco){.run = {.problem = problem, .ctx = ctx}};
     PH_TRY(ph_i_run_begin(&v->run, err));
     PH_TRY(look_ahead(v, err));
-    if (!v->run.constraint->analytic) PH_TRY(ph_i_run_prepare(&v->run, err));
+    if (v->run.constraint->analytic) {
+        PH_TRY(ph_i_run_check_analytic(&v->run, err));
+        return PH_OK;
+    }
+    PH_TRY(ph_i_run_prepare(&v->run, err));
+    PH_TRY(cut_cracks(&v->run, err));
 out:
     return st;
 }
@@ -284,10 +308,6 @@ ph_status ph_i_visco_begin(ph_visco *v, const ph_problem *problem,
     const ph_microstructure *micro = v->run.problem->micro;
     v->out = out;
     v->tolerance = params->tolerance > 0.0 ? params->tolerance : 1e-4;
-    PH_CHECK(
-        !ph_i_has_cracks(problem), PH_EINVAL,
-        "the relaxation of a cracked cell is not computed: leave out the cracks, or the "
-        "relaxation");
     PH_TRY(ph_i_split_new(micro->nmaterials, micro->materials, &v->split, err));
     PH_TRY(without_equations(v, &done, err));
     if (!done) PH_TRY(with_equations(v, err));

@@ -281,10 +281,13 @@ ph_status ph_i_operator_renew_springs(ph_operator *op, ph_error *err)
 {
     const ph_family *family = op->springs->family;
     const ph_bond_classes *classes = op->springs->classes;
+    const ph_broken *broken = op->springs->broken;
     ph_route route = ph_i_springs_route(op->springs);
     ph_i_springs_free(&op->springs);
-    return ph_i_springs_new(&op->layout, op->fft, family, classes, route, op->threads,
-                            op->meter, &op->springs, err);
+    ph_status st = ph_i_springs_new(&op->layout, op->fft, family, classes, route,
+                                    op->threads, op->meter, &op->springs, err);
+    if (st == PH_OK) op->springs->broken = broken;
+    return st;
 }
 
 void ph_i_operator_forward(ph_operator *op, const double *u, double *uhat)
