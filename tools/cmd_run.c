@@ -67,7 +67,7 @@ typedef struct run {
     char *case_json;
     ph_microstructure *micro;
     ph_crack_plan *plan;
-    ph_result *result;     /* of an elastic case */
+    ph_result *result;     /* of an elastic case, or one that fails in time */
     ph_fidelity *fidelity; /* of one that asks for an accuracy: it owns its result */
     ph_viscoelastic *relaxation; /* of one that relaxes, with what is reported of it */
     ph_relaxation_report *report;
@@ -97,7 +97,7 @@ static ph_status solve(run *r, ph_error *err)
     const ph_problem problem = ph_rve_problem(r->c, r->micro, r->plan);
     const ph_ctx ctx = {.progress = progress_step, .user = &p, .threads = o->threads};
     ph_status st =
-        ph_case_relaxes(r->c)
+        ph_case_relaxes(r->c) && !problem.loading
             ? relaxation_solve(r->c, &problem, &ctx, &r->relaxation, &r->report, err)
             : ph_homogenise(&problem, &ctx, &r->result, err);
     if (st == PH_OK && r->result)

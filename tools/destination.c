@@ -12,11 +12,12 @@
 
 /* What a result may consist of; result.json last: where it is, the rest is. */
 static const char *const result_files[] = {
-    "phases.png",        "fields.h5",      "fields.xdmf",      "damage.png",
-    "damage.csv",        "damage-law.csv", "prony.csv",        "prony.yaml",
-    "relaxation.csv",    "dynamic.csv",    "response.csv",     "relaxation.svg",
-    "dynamic.svg",       "tan-delta.svg",  "response.svg",     "stress-strain.csv",
-    "stress-strain.svg", "events.csv",     "damage-steps.png", "result.json"};
+    "phases.png",        "fields.h5",        "fields.xdmf",     "damage.png",
+    "damage.csv",        "damage-law.csv",   "prony.csv",       "prony.yaml",
+    "relaxation.csv",    "dynamic.csv",      "response.csv",    "relaxation.svg",
+    "dynamic.svg",       "tan-delta.svg",    "response.svg",    "stress-strain.csv",
+    "stress-strain.svg", "stress-time.svg",  "strain-time.svg", "energy-time.svg",
+    "events.csv",        "damage-steps.png", "result.json"};
 enum { NFILES = sizeof result_files / sizeof *result_files };
 
 void destination_default(const char *case_path, char dir[DESTINATION_PATH])

@@ -64,6 +64,50 @@ out:
     return st;
 }
 
+/* In time: the conjugate of what is given, and where the work has gone. */
+static ph_status write_times(const destination *to, const ph_case *c,
+                             const ph_failure_path *p, ph_error *err)
+{
+    ph_status st = PH_OK;
+    char path[DESTINATION_PATH + 64], label[64];
+    const ptrdiff_t n = p->nsteps;
+    double *x = calloc(6 * (size_t)n, sizeof *x);
+    PH_CHECK(x, PH_ENOMEM, "no memory for the curve");
+    for (ptrdiff_t i = 0; i < n; i++) {
+        const ph_failure_step *s = &p->step[i];
+        const double row[6] = {s->time,          s->work,           s->energy.external,
+                               s->energy.stored, s->energy.viscous, s->energy.dissipated};
+        for (int k = 0; k < 6; k++)
+            x[k * n + i] = row[k];
+    }
+    const ph_series one = {.n = n, .x = x, .y = x + n, .style = PH_PLOT_LINE_POINTS};
+    static const char *const name[4] = {"external work", "stored", "dissipated by phases",
+                                        "dissipated by bonds"};
+    ph_series energy[4];
+    for (int k = 0; k < 4; k++)
+        energy[k] = (ph_series){.name = name[k], .n = n, .x = x, .y = x + (2 + k) * n};
+    if (p->by_stress)
+        snprintf(label, sizeof label, "strain");
+    else
+        snprintf(label, sizeof label, "stress [%.32s]", c->unit_stress);
+    ph_plot plot = {.title = c->title,
+                    .xlabel = "time",
+                    .ylabel = label,
+                    .nseries = 1,
+                    .series = &one};
+    destination_file(to, p->by_stress ? "strain-time.svg" : "stress-time.svg", path,
+                     sizeof path);
+    PH_TRY(ph_plot_write(path, &plot, err));
+    snprintf(label, sizeof label, "energy per volume [%.32s]", c->unit_stress);
+    plot.nseries = 4;
+    plot.series = energy;
+    destination_file(to, "energy-time.svg", path, sizeof path);
+    PH_TRY(ph_plot_write(path, &plot, err));
+out:
+    free(x);
+    return st;
+}
+
 /* Cells of a frame into the sheet: frame 0 above on the left; 3D: the slice in the middle. */
 static void put_frame(const ph_grid *g, const ph_grid *sheet, int columns, int rows,
                       int frame, const double *field, double *out)
@@ -117,10 +161,27 @@ ph_status failure_write(const destination *to, const ph_case *c, const ph_result
     ph_status st = PH_OK;
     PH_TRY(write_table(to, "stress-strain.csv", ph_failure_steps_csv, r->failure, err));
     PH_TRY(write_table(to, "events.csv", ph_failure_events_csv, r->failure, err));
-    PH_TRY(write_plot(to, c, r->failure, err));
+    if (r->failure->in_time)
+        PH_TRY(write_times(to, c, r->failure, err));
+    else
+        PH_TRY(write_plot(to, c, r->failure, err));
     PH_TRY(write_pictures(to, c, r, err));
 out:
     return st;
+}
+
+static void print_times(FILE *to, const ph_failure_path *p, const char *unit)
+{
+    const ph_failure_energy *e = &p->step[p->nsteps - 1].energy;
+    if (p->nevents > 0) fprintf(to, "  at time %.6g\n", p->first_time);
+    if (p->severed) fprintf(to, "  severed at time %.6g\n", p->end_time);
+    fprintf(to, "  largest %s %.6g %s at load %.6g\n", p->by_stress ? "strain" : "stress",
+            p->peak_stress, p->by_stress ? "" : unit, p->peak_load);
+    fprintf(
+        to,
+        "  external work %.6g = stored %.3g + dissipated by phases %.6g, by bonds %.6g "
+        "(imbalance %.1e)\n",
+        e->external, e->stored, e->viscous, e->dissipated, p->imbalance);
 }
 
 void failure_print(FILE *to, const ph_case *c, const ph_failure_path *p)
@@ -135,6 +196,10 @@ void failure_print(FILE *to, const ph_case *c, const ph_failure_path *p)
         fprintf(to, "  first break at load %.6g, %td events, %td bonds%s\n",
                 p->first_load, p->nevents, p->nbonds,
                 p->severed ? "; severed: no stress is left" : "");
+    if (p->in_time) {
+        print_times(to, p, stress);
+        return;
+    }
     fprintf(to, "  peak stress %.6g %s at load %.6g; toughness %.6g %s\n", p->peak_stress,
             stress, p->peak_load, p->toughness, stress);
     fprintf(to,

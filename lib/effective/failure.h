@@ -37,7 +37,19 @@ void ph_i_strengths_free(ph_strengths **strengths);
 double ph_i_strength(const ph_strengths *strengths, ptrdiff_t x, ptrdiff_t b,
                      ptrdiff_t y);
 
-/** The loading of a run, event by event. */
+/** The loading of a run, event by event; and in time, where `run` is one that relaxes. */
 ph_status ph_i_run_failure(ph_run *run, ph_error *err);
+ph_status ph_i_run_failure_in_time(ph_run *run, ph_error *err);
+
+/** Steps at which a loading wants the stiffness, from 1 on, and how many they are. */
+bool ph_i_wants_stiffness(const ph_loading *loading, int step);
+int ph_i_stiffness_steps(const ph_loading *loading);
+/** @return PH_EINVAL with what is wrong */
+ph_status ph_i_check_loading(const ph_run *run, ph_error *err);
+/** Make run->result->failure, with the damage of the cracks that are there. */
+ph_status ph_i_failure_path_new(ph_run *run, ph_error *err);
+/** One more event, zeroed. */
+ph_status ph_i_failure_event(ph_failure_path *path, ph_failure_event **out,
+                             ph_error *err);
 
 #endif

@@ -86,8 +86,8 @@ void ph_i_scan_free(ph_scan **scan)
 
 /* ---- one bond ---------------------------------------------------------------------------- */
 
-static double pull(const ph_scan *s, const double *macro, const double *u, ptrdiff_t x,
-                   ptrdiff_t b, ptrdiff_t y)
+double ph_i_scan_pull_of(const ph_scan *s, const double *u, const double *macro,
+                         ptrdiff_t x, ptrdiff_t b, ptrdiff_t y)
 {
     const double *xi = s->strengths->broken->family->xi[b];
     const ph_layout *l = &s->run->op->layout;
@@ -95,6 +95,12 @@ static double pull(const ph_scan *s, const double *macro, const double *u, ptrdi
     for (int a = 0; a < l->nd; a++)
         sum += xi[a] * (u[a * l->cells + y] - u[a * l->cells + x]);
     return sum;
+}
+
+double ph_i_scan_pull(const ph_scan *s, const double *u, ptrdiff_t x, ptrdiff_t b,
+                      ptrdiff_t y)
+{
+    return ph_i_scan_pull_of(s, u, s->macro, x, b, y);
 }
 
 /* Both ends are nodes of the RVE, which stands alone in its box. */
@@ -106,12 +112,6 @@ static bool stays_inside(const ph_scan *s, const ptrdiff_t at[3], const int o[3]
         if (i < 0 || i >= n || (n > 1 && (i + o[d] < 0 || i + o[d] >= n))) return false;
     }
     return true;
-}
-
-double ph_i_scan_pull(const ph_scan *s, const double *u, ptrdiff_t x, ptrdiff_t b,
-                      ptrdiff_t y)
-{
-    return pull(s, s->macro, u, x, b, y);
 }
 
 /* Cell that a bond leads to, -1: none that could break. */
@@ -184,7 +184,7 @@ double ph_i_scan_least(ph_scan *s, const double *u, double sign)
     return least;
 }
 
-double ph_i_scan_reach(ph_scan *s, const double *u, const double *du,
+double ph_i_scan_reach(ph_scan *s, const double *u, const double *macro, const double *du,
                        const double *dmacro)
 {
     double least = INFINITY;
@@ -198,8 +198,8 @@ double ph_i_scan_reach(ph_scan *s, const double *u, const double *du,
             const ptrdiff_t b = s->half[h], y = end_of(s, at, b);
             const double critical = critical_stretch(s, x, h, y) * length2(s, h);
             if (!isfinite(critical)) continue;
-            const double missing = critical - ph_i_scan_pull(s, u, x, b, y);
-            const double rate = pull(s, dmacro, du, x, b, y);
+            const double missing = critical - ph_i_scan_pull_of(s, u, macro, x, b, y);
+            const double rate = ph_i_scan_pull_of(s, du, dmacro, x, b, y);
             if (missing <= 0.0)
                 mine = 0.0;
             else if (rate > 0.0)

@@ -31,12 +31,18 @@ void ph_i_scan_free(ph_scan **scan);
  *  load times sign; INFINITY: none. Cost: bonds. The same bits for any number of threads. */
 double ph_i_scan_least(ph_scan *scan, const double *u, double sign);
 /** Least t >= 0 at which an intact bond breaks, where its displacement is u + t du and the macro
- *  strain scan->macro + t dmacro; INFINITY: none. Cost and bits as above. */
-double ph_i_scan_reach(ph_scan *scan, const double *u, const double *du,
-                       const double *dmacro);
+ *  strain macro + t dmacro; INFINITY: none. Cost and bits as above. */
+double ph_i_scan_reach(ph_scan *scan, const double *u, const double *macro,
+                       const double *du, const double *dmacro);
 /** Collect the bonds whose critical load, as last scanned, is not above `most`. */
 ph_status ph_i_scan_pick(ph_scan *scan, const double *u, double sign, double most,
                          ph_error *err);
+/** Keep the bonds that were picked as broken by the next event. */
+ph_status ph_i_failure_keep_bonds(const ph_run *run, const ph_scan *scan, ph_error *err);
+
+/** Pull of a bond in any state. */
+double ph_i_scan_pull_of(const ph_scan *scan, const double *u, const double *macro,
+                         ptrdiff_t x, ptrdiff_t b, ptrdiff_t y);
 /** Pull of a bond, see ph_picked. */
 double ph_i_scan_pull(const ph_scan *scan, const double *u, ptrdiff_t x, ptrdiff_t b,
                       ptrdiff_t y);

@@ -254,7 +254,7 @@ static ph_status follow(walk *k, ph_error *err)
     ph_status st = PH_OK;
     ph_fe2_worker *w = k->w;
     while (!k->severed) {
-        double t = ph_i_scan_reach(w->scan, w->u, w->du, k->de);
+        double t = ph_i_scan_reach(w->scan, w->u, w->scan->macro, w->du, k->de);
         if (!(t <= k->left)) break;
         go_on(k, t);
         double least = ph_i_scan_least(w->scan, w->u, 1.0);

@@ -187,7 +187,8 @@ ph_status ph_i_run_begin(ph_run *r, ph_error *err)
     PH_CHECK(r->constraint, PH_EINVAL, "unknown constraint '%s'", p->constraint.kind);
     const ph_model_method *model = ph_i_model_find(p->model.kind);
     bool mixes = p->interface == PH_INTERFACE_COMPOSITE && p->micro->ncuts > 0;
-    if (model && model->pairwise &&
+    bool in_time = p->loading && p->loading->times; /* a cut cell has two pasts */
+    if (model && (model->pairwise || in_time) &&
         !r->constraint->analytic) { /* a node is one material */
         r->own = *p;
         r->own.interface = PH_INTERFACE_NODE_CENTRE;
@@ -396,6 +397,19 @@ out:
     return st;
 }
 
+/* Bonds break while phases relax. */
+static ph_status in_time(ph_run *r, double *solving, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(ph_i_run_relaxing(r, err));
+    double start = ph_i_run_now();
+    st = ph_i_run_failure_in_time(r, err);
+    *solving = ph_i_run_now() - start;
+    if (st == PH_ENOCONV) ph_i_run_solved_columns(r);
+out:
+    return st;
+}
+
 ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result **out,
                         ph_error *err)
 {
@@ -404,8 +418,13 @@ ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result 
     ph_run r = {.problem = problem, .ctx = ctx};
     PH_CHECK(out, PH_EINVAL, "NULL result");
     *out = NULL;
-    PH_TRY(ph_i_run_begin(&r, err));
-    st = answer(&r, &solving, err);
+    if (problem && problem->loading && problem->loading->times) {
+        st = in_time(&r, &solving, err);
+        if (!r.result) goto out;
+    } else {
+        PH_TRY(ph_i_run_begin(&r, err));
+        st = answer(&r, &solving, err);
+    }
     ph_i_run_account(&r, start, solving);
     if (st == PH_OK || st == PH_ENOCONV) {
         *out = r.result;

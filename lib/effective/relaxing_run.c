@@ -23,6 +23,7 @@ ph_status ph_i_run_relaxing(ph_run *r, ph_error *err)
     bool own = v.run.problem == &v.run.own;
     *r = v.run; /* all that is made so far */
     if (own) r->problem = &r->own;
+    if (r->broken) r->broken->meter = &r->meter; /* it was counted in v.run's */
     r->soft = v.soft;
     if (st != PH_OK) return st;
     PH_CHECK(!r->constraint->analytic, PH_EINVAL,

@@ -95,6 +95,7 @@ ph_status ph_i_stepper_new(ph_run *run, double tolerance, ph_stepper **out, ph_e
     PH_ALLOC(s->ramp, s->ntimes, "weights of a step");
     PH_ALLOC(s->weight, s->ntimes, "weights of a step");
     PH_ALLOC(s->part, 6 * (s->ntimes + 1), "stresses of the branches");
+    PH_ALLOC(s->held, s->ntimes + 1, "energies of the branches");
     PH_DOUBLES(s->du, m, (size_t)s->unknowns, "an increment");
     PH_DOUBLES(s->residual, m, (size_t)s->unknowns, "the forces of the past");
     PH_DOUBLES(s->work, m, (size_t)s->unknowns, "a force field");
@@ -123,6 +124,7 @@ void ph_i_stepper_free(ph_stepper **stepper)
     free(s->weight);
     free(s->map_weight);
     free(s->part);
+    free(s->held);
     free(s);
     *stepper = NULL;
 }
@@ -157,8 +159,8 @@ static ph_cut_state cut_state(const ph_stepper *s)
                           s->jump, s->jump_memory};
 }
 
-/* Show the tensors of a part: branch m, or C_inf (m = ntimes), with its share of (S). */
-static void show_part(ph_stepper *s, int m)
+/* With its share of (S). */
+void ph_i_stepper_show(ph_stepper *s, int m)
 {
     if (s->bonds) {
         ph_i_relaxing_bonds_show(s->bonds, m);
@@ -171,7 +173,7 @@ static void show_part(ph_stepper *s, int m)
                             m < s->ntimes ? s->relax->give[m] : s->relax->hold);
 }
 
-static void show_tangent(ph_stepper *s)
+void ph_i_stepper_show_tangent(ph_stepper *s)
 {
     ph_i_relaxing_map_again(s->relax);
     if (s->bonds)
@@ -231,15 +233,15 @@ static ph_status measure(ph_stepper *s, ph_error *err)
         bool total = m == s->ntimes;
         ph_cell_energy e;
         double *part = s->part + 6 * m, strain[6];
-        show_part(s, m);
+        ph_i_stepper_show(s, m);
         PH_TRY(ph_i_operator_sums(s->run->op, total ? s->u : memory(s, m),
                                   total ? s->macro : s->macro_memory + 6 * m, region,
                                   part, strain, &e, err));
         for (int i = 0; i < s->ns; i++)
             part[i] /= n;
-        s->part_energy += e.mean + e.modes + e.stabilisation;
-        if (!total)
-            s->part_dissipation += (e.mean + e.modes + e.stabilisation) / s->tau[m];
+        s->held[m] = e.mean + e.modes + e.stabilisation;
+        s->part_energy += s->held[m];
+        if (!total) s->part_dissipation += s->held[m] / s->tau[m];
         for (int i = 0; total && i < s->ns; i++)
             s->mean_strain[i] = strain[i] / n;
     }
@@ -254,7 +256,7 @@ static ph_status measure(ph_stepper *s, ph_error *err)
     s->part_dissipation /= n;
     s->measured = true;
 out:
-    show_tangent(s);
+    ph_i_stepper_show_tangent(s);
     return st;
 }
 
@@ -297,10 +299,33 @@ static ph_status set_tangent(ph_stepper *s, double dt, ph_error *err)
     else
         r->map->softest =
             r->softness * ph_i_relaxing_stabilisation(s->relax, 1.0, s->ramp);
-    show_tangent(s);
+    ph_i_stepper_show_tangent(s);
     if (r->state) r->solver->free(&r->state);
     PH_TRY(r->solver->init(&r->system, &r->state, err));
     s->tangent_dt = dt;
+out:
+    return st;
+}
+
+ph_status ph_i_stepper_instantaneous(ph_stepper *s, ph_error *err)
+{
+    return set_tangent(s, 0.0, err);
+}
+
+ph_status ph_i_stepper_broken(ph_stepper *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_run *r = s->run;
+    s->measured = false;
+    if (r->op->bonds) { /* whose lists are made once */
+        s->tangent_dt = (double)NAN;
+        PH_TRY(ph_i_run_rebuild(r, err));
+        PH_TRY(ph_i_operator_in_space(r->op, err));
+        return PH_OK;
+    }
+    PH_TRY(ph_i_operator_update(r->op, err));
+    ph_i_broken_seen(r->broken);
+    if (r->solver->keeps_matrix) s->tangent_dt = (double)NAN;
 out:
     return st;
 }
@@ -375,10 +400,10 @@ ph_status ph_i_stepper_begin(ph_stepper *s, double dt, ph_error *err)
         for (int m = 0; m < s->ntimes; m++)
             s->history[i] += s->decay[m] * s->part[6 * m + i];
     }
-    show_part(s, s->ntimes);
+    ph_i_stepper_show(s, s->ntimes);
     subtract(s, s->u, s->macro, 1.0);
     for (int m = 0; m < s->ntimes; m++) {
-        show_part(s, m);
+        ph_i_stepper_show(s, m);
         subtract(s, memory(s, m), s->macro_memory + 6 * m, s->decay[m]);
     }
     if (s->cuts) {
@@ -389,11 +414,11 @@ ph_status ph_i_stepper_begin(ph_stepper *s, double dt, ph_error *err)
         for (int i = 0; i < s->ns; i++)
             s->history[i] += sum[i] / (double)s->run->setting.averaged;
     }
-    show_tangent(s);
+    ph_i_stepper_show_tangent(s);
     if (s->run->constraint->by_stress) pull(s, s->traction);
     guess(s);
 out:
-    show_tangent(s);
+    ph_i_stepper_show_tangent(s);
     return st;
 }
 
@@ -576,7 +601,7 @@ static ph_status bend(ph_stepper *s, const double *macro, double *stress, ph_err
     }
 out:
     ph_i_relaxing_map_empty_cuts(s->relax);
-    show_tangent(s);
+    ph_i_stepper_show_tangent(s);
     return st;
 }
 

@@ -69,6 +69,7 @@ typedef struct ph_stepper {
     double reference; /* the forces that the residual is held against */
     double history[6], strain[6]; /* mean stress and strain without the increment */
     double *part; /* [ntimes + 1][6] mean stress of the branches, then C_inf */
+    double *held; /* [ntimes + 1] twice the energy of the parts, summed over the cells */
     double part_energy, part_dissipation, mean_strain[6], cut_stress[6];
     bool measured; /* the parts are those of the state */
 
@@ -108,6 +109,27 @@ ph_status ph_i_stepper_state(ph_stepper *s, ph_step_state *out, ph_error *err);
  *  @param[out] field [ns] of [unknowns], increments of the unit loads; or NULL */
 ph_status ph_i_stepper_tangent(ph_stepper *s, double dt, ph_sym4 *tangent,
                                double *const *field, ph_error *err);
+/** Bonds have broken: what every branch remembers is from here on the strain of what is left.
+ *  Forces are out of balance until a step is made, of dt = 0 where they break at once.
+ *  @return PH_OK; PH_ENOMEM */
+ph_status ph_i_stepper_broken(ph_stepper *s, ph_error *err);
+/** Let operator and solver be those of a jump. */
+ph_status ph_i_stepper_instantaneous(ph_stepper *s, ph_error *err);
+
+/** What a step takes, per volume: the work of the mean stress, and what the branches lose.
+ *  Integrals over the step of fields that are straight in time, so that without solver errors
+ *  external = stored after - stored before + viscous up to the forces out of balance between
+ *  the ends of the step, O(dt^2). Not of cut cells. */
+typedef struct ph_step_work {
+    double external, viscous;
+} ph_step_work;
+/** Of the step that is solved and not yet taken. Cost: an application and sums for each
+ *  branch. Source: lib/effective/step_work.c */
+ph_status ph_i_stepper_work(ph_stepper *s, ph_step_work *out, ph_error *err);
+/** Let the operator have the tensors of branch m, or of C_inf (m = ntimes); and of the step. */
+void ph_i_stepper_show(ph_stepper *s, int m);
+void ph_i_stepper_show_tangent(ph_stepper *s);
+
 /** At rest again, at time 0. */
 void ph_i_stepper_reset(ph_stepper *s);
 

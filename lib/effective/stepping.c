@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "effective/stepping.h"
 
+#include "effective/step_control.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -15,18 +17,17 @@ static double error_of_step(double tolerance)
 
 /* Stress below this share of the largest so far need not be resolved relative to itself. */
 static const double least_stress = 1e-3;
-enum { CORRECTIONS = 40, DEFAULT_STEPS = 1000000 };
+enum { DEFAULT_STEPS = 1000000 };
 
 typedef struct march {
     ph_stepper *s;
+    ph_step_control control;
     const ph_load_history *history;
-    double tolerance, fixed, first, control;
+    double tolerance, fixed, first;
     double dt; /* of the ladder */
     long most;
-    unsigned bends;   /* components whose load is found, not given */
-    ph_sym4 tangent;  /* d response / d load, of some step; n = 0: none yet */
-    double largest;   /* stress so far */
-    double target[6]; /* at the end of the step */
+    unsigned bends; /* components whose load is found, not given */
+    double largest; /* stress so far */
     ph_stepping_report *report;
 } march;
 
@@ -36,12 +37,6 @@ static double norm(int n, const double *x)
     for (int i = 0; i < n; i++)
         sum += x[i] * x[i];
     return sqrt(sum);
-}
-
-/* Is component i prescribed by its load, or by its response? */
-static bool direct(const march *m, int i)
-{
-    return (m->history->stress >> i & 1) == (unsigned)ph_i_run_by_stress(m->s->run, i);
 }
 
 /* Value of the history at t, between points k - 1 and k. */
@@ -55,134 +50,6 @@ static double value_at(const march *m, int k, double t, int i)
     double a = h->value[(k - 1) * ns + i];
     double f = (t - h->time[k - 1]) / (h->time[k] - h->time[k - 1]);
     return a + f * (b - a);
-}
-
-/* ---- one step of a given length ---------------------------------------------------------- */
-
-/* Loads of the components that are prescribed by their responses: T_xx d = what is missing. */
-static ph_status missing_load(const march *m, const double *response, double *dload,
-                              ph_error *err)
-{
-    ph_status st = PH_OK;
-    double a[6][7];
-    int x[6], n = 0;
-    for (int i = 0; i < m->s->ns; i++)
-        if (!direct(m, i)) x[n++] = i;
-    for (int p = 0; p < n; p++) {
-        for (int q = 0; q < n; q++)
-            a[p][q] = m->tangent.m[x[p]][x[q]];
-        a[p][n] = m->target[x[p]] - response[x[p]];
-    }
-    for (int k = 0; k < n; k++) {
-        int top = k;
-        for (int i = k + 1; i < n; i++)
-            if (fabs(a[i][k]) > fabs(a[top][k])) top = i;
-        PH_CHECK(fabs(a[top][k]) > 1e-14 * ph_sym4_norm(&m->tangent), PH_ESINGULAR,
-                 "the medium does not resist: the macro stress cannot be prescribed");
-        for (int j = k; j <= n; j++) {
-            double t = a[k][j];
-            a[k][j] = a[top][j];
-            a[top][j] = t;
-        }
-        for (int i = 0; i < n; i++) {
-            if (i == k) continue;
-            double f = a[i][k] / a[k][k];
-            for (int j = k; j <= n; j++)
-                a[i][j] -= f * a[k][j];
-        }
-    }
-    memset(dload, 0, 6 * sizeof *dload);
-    for (int p = 0; p < n; p++)
-        dload[x[p]] = a[p][n] / a[p][p];
-out:
-    return st;
-}
-
-static double miss(const march *m, const double *response)
-{
-    double sum = 0.0;
-    for (int i = 0; i < m->s->ns; i++) {
-        double d = direct(m, i) ? 0.0 : m->target[i] - response[i];
-        sum += d * d;
-    }
-    return sqrt(sum);
-}
-
-/* What is missing is held against the largest of target and response. */
-static double scale_of(const march *m, const double *response)
-{
-    double size = 0.0;
-    for (int i = 0; i < m->s->ns; i++)
-        if (!direct(m, i)) size = fmax(size, fmax(fabs(m->target[i]), fabs(response[i])));
-    return size;
-}
-
-/* Take up the tangent of this dt; the step begins anew. */
-static ph_status new_tangent(march *m, double dt, const double *dload, ph_error *err)
-{
-    ph_status st = PH_OK;
-    PH_TRY(ph_i_stepper_tangent(m->s, dt, &m->tangent, NULL, err));
-    PH_TRY(ph_i_stepper_begin(m->s, dt, err));
-    PH_TRY(ph_i_stepper_solve(m->s, dload, err));
-out:
-    return st;
-}
-
-/* Correct the loads until the responses are what they should be. The tangent of another dt is
- * good enough as long as it helps. */
-static ph_status control(march *m, double dt, double *response, double *stress,
-                         ph_error *err)
-{
-    ph_status st = PH_OK;
-    double dload[6], total[6] = {0}, before = INFINITY, largest = scale_of(m, response);
-    bool own = false;
-    for (int i = 0; i < m->s->ns; i++)
-        if (direct(m, i)) total[i] = m->target[i];
-    for (int k = 0; k < CORRECTIONS; k++) {
-        double off = miss(m, response);
-        largest = fmax(largest, scale_of(m, response));
-        if (off <= m->control * largest) return PH_OK;
-        if (m->tangent.n == 0 || (off > 0.3 * before && !own)) {
-            for (int i = 0; i < m->s->ns; i++)
-                total[i] = ph_i_run_by_stress(m->s->run, i) ? m->s->dtraction[i]
-                                                            : m->s->dmacro[i];
-            PH_TRY(new_tangent(m, dt, total, err));
-            PH_TRY(ph_i_stepper_response(m->s, response, stress, err));
-            own = true;
-            off = miss(m, response);
-        }
-        PH_TRY(missing_load(m, response, dload, err));
-        PH_TRY(ph_i_stepper_solve(m->s, dload, err));
-        PH_TRY(ph_i_stepper_response(m->s, response, stress, err));
-        before = off;
-    }
-    PH_CHECK(
-        miss(m, response) <= m->control * largest, PH_ENOCONV,
-        "the macro stress was not reached in %d corrections: %.3g of %.3g is missing",
-        CORRECTIONS, miss(m, response), largest);
-out:
-    return st;
-}
-
-/* A step to the targets; not taken yet. */
-static ph_status attempt(march *m, double dt, double *stress, ph_error *err)
-{
-    ph_status st = PH_OK;
-    const ph_stepper *s = m->s;
-    double dload[6] = {0}, response[6];
-    PH_TRY(ph_i_stepper_begin(m->s, dt, err));
-    for (int i = 0; i < s->ns; i++) {
-        double now = ph_i_run_by_stress(s->run, i) ? s->traction[i] : s->macro[i];
-        if (direct(m, i))
-            dload[i] = m->target[i] - now;
-        else if (*s->last_dt > 0.0 && !ph_i_run_by_stress(s->run, i))
-            dload[i] = s->last_macro[i] * dt / *s->last_dt;
-    }
-    PH_TRY(ph_i_stepper_solve(m->s, dload, err));
-    PH_TRY(ph_i_stepper_response(m->s, response, stress, err));
-    if (m->bends) PH_TRY(control(m, dt, response, stress, err));
-out:
-    return st;
 }
 
 /* ---- many ------------------------------------------------------------------------------- */
@@ -199,8 +66,8 @@ static ph_status jump(march *m, int k, ph_error *err)
     ph_status st = PH_OK;
     double stress[6];
     for (int i = 0; i < m->s->ns; i++)
-        m->target[i] = value_at(m, k, m->history->time[k], i);
-    PH_TRY(attempt(m, 0.0, stress, err));
+        m->control.target[i] = value_at(m, k, m->history->time[k], i);
+    PH_TRY(ph_i_step_attempt(&m->control, 0.0, stress, err));
     PH_TRY(take(m, stress, err));
     ph_i_stepper_corner(m->s);
     m->dt = m->first;
@@ -228,8 +95,8 @@ static ph_status advance(march *m, int k, double end, ph_error *err)
         PH_CHECK(m->report->steps < m->most, PH_ENOCONV,
                  "time %g is not reached in %ld steps", end, m->most);
         for (int i = 0; i < s->ns; i++)
-            m->target[i] = value_at(m, k, start + done + dt, i);
-        PH_TRY(attempt(m, dt, stress, err));
+            m->control.target[i] = value_at(m, k, start + done + dt, i);
+        PH_TRY(ph_i_step_attempt(&m->control, dt, stress, err));
         if (m->fixed == 0.0) {
             PH_TRY(ph_i_stepper_error(s, m->bends, &error, err));
             double most =
@@ -292,9 +159,8 @@ static ph_status begin(march *m, const ph_stepping_params *p, ph_error *err)
                                  : (double)INFINITY;
     m->most = p->most_steps > 0 ? p->most_steps : DEFAULT_STEPS;
     m->dt = m->first;
-    m->control = 10.0 * m->s->tolerance;
     for (int i = 0; i < m->s->ns; i++)
-        if (!direct(m, i)) m->bends |= 1u << i;
+        if (!ph_i_step_is_direct(&m->control, i)) m->bends |= 1u << i;
 out:
     return st;
 }
@@ -308,6 +174,7 @@ ph_status ph_i_stepping(ph_stepper *s, const ph_load_history *h, int noutput,
     long before = s->run->op->applications, solves = s->solves, its = s->iterations;
     memset(report, 0, sizeof *report);
     PH_TRY(check_input(h, s->ns, noutput, output, err));
+    m.control = ph_i_step_control(s, h->stress);
     PH_TRY(begin(&m, params, err));
     ph_i_stepper_reset(s);
     *s->time = h->time[0];

@@ -273,7 +273,7 @@ static ph_status cut_cracks(ph_run *r, ph_error *err)
     PH_CHECK(!p->sequence || p->sequence->kind == PH_SEQUENCE_NONE, PH_EINVAL,
              "a cell that relaxes has its cracks from the beginning: leave out the "
              "sequence");
-    if (p->cracks)
+    if (p->cracks && !p->loading) /* a failure begins with the whole cell */
         PH_TRY(ph_i_cracks_cut(p->cracks, &r->result->grid, r->setting.first, outside,
                                r->broken, err));
     ph_i_broken_seen(r->broken);

@@ -11,15 +11,17 @@ static const char *const rule_keys[] = {"fracture_energy", "criterion",
                                         "critical_stretch", "critical_bond_energy",
                                         "weibull"};
 static const char *const criteria[] = {"critical_stretch", "bond_energy"};
-static const char *const loading_keys[] = {"strain",          "stress_free",   "to",
-                                           "steps",           "window",        "break",
-                                           "stiffness_every", "pictures_every"};
+static const char *const loading_keys[] = {
+    "strain",        "stress", "stress_free", "to",    "times",
+    "rate",          "steps",  "window",      "break", "stiffness_every",
+    "pictures_every"};
 static const char *const break_names[] = {"events", "together"};
 
 void ph_i_failure_free(ph_case *c)
 {
     free(c->strengths);
     free(c->targets);
+    free(c->target_times);
 }
 
 /* ---- failure ----------------------------------------------------------------------------- */
@@ -134,6 +136,45 @@ out:
     return st;
 }
 
+/* When the targets are reached: their times, or the rate at which the load goes there. */
+static ph_status read_times(ph_i_reader *r, const ph_i_node *times, const ph_i_node *rate,
+                            ph_error *err)
+{
+    ph_status st = PH_OK;
+    static const char rule[] =
+        "must be a time >= 0 for each target, none before the last";
+    ph_loading *l = &r->c->loading;
+    const int n = l->ntargets;
+    double speed = 0.0, *t = NULL;
+    if (times && rate) {
+        ph_i_complain(r, rate, PH_EINVAL, "times are given too: one of both");
+        return PH_OK;
+    }
+    if (n == 0) return PH_OK; /* said already */
+    if (rate && !ph_i_read_positive(r, rate, "the load per time must be > 0", &speed))
+        return PH_OK;
+    bool list = times && times->kind == PH_I_LIST;
+    if (times && (list ? times->count : 1) != (size_t)n) {
+        ph_i_reject(r, times, PH_EINVAL, "%s: `to` has %d", rule, n);
+        return PH_OK;
+    }
+    PH_ALLOC(r->c->target_times, n, "the times of the loading");
+    t = r->c->target_times;
+    for (int i = 0; i < n; i++) {
+        double since = i ? t[i - 1] : 0.0, from = i ? l->to[i - 1] : 0.0;
+        if (rate) {
+            t[i] = since + fabs(l->to[i] - from) / speed;
+            continue;
+        }
+        const ph_i_node *node = list ? times->child[i] : times;
+        if (!ph_i_read_number(r, node, -1e60, 1e60, rule, &t[i])) return PH_OK;
+        if (t[i] < since) ph_i_reject(r, node, PH_EINVAL, "%s", rule);
+    }
+    l->times = t;
+out:
+    return st;
+}
+
 static void read_direction(ph_i_reader *r, const ph_i_node *node)
 {
     ph_loading *l = &r->c->loading;
@@ -148,6 +189,18 @@ static void read_direction(ph_i_reader *r, const ph_i_node *node)
         ph_i_reject(r, node, PH_EUNPHYSICAL, "must not be zero");
     else if (!(size < 1e6))
         ph_i_reject(r, node, PH_EUNPHYSICAL, "must be below 1e6");
+}
+
+/* The direction of a macro stress instead of a strain. */
+static void read_stress(ph_i_reader *r, const ph_i_node *stress, const ph_i_node *strain,
+                        const ph_i_node *free)
+{
+    if (strain)
+        ph_i_complain(r, stress, PH_EINVAL, "strain is given too: one of both");
+    else
+        read_direction(r, stress);
+    if (free) ph_i_complain(r, free, PH_EINVAL, "goes with strain: a stress says it all");
+    r->c->loading.by_stress = true;
 }
 
 /* Components that carry no stress; `strain` has been read. */
@@ -185,12 +238,21 @@ static ph_status read_loading(ph_i_reader *r, const ph_i_node *map, ph_error *er
     ph_i_check_keys(r, map, (ph_i_names)PH_I_NAMES(loading_keys), "loading");
     l->steps = 40;
     l->window = 1e-3;
-    const ph_i_node *strain = ph_i_need(r, map, "strain", "must be a macro strain"),
+    const ph_i_node *stress = ph_i_get(map, "stress"),
+                    *strain = stress
+                                  ? ph_i_get(map, "strain")
+                                  : ph_i_need(r, map, "strain", "must be a macro strain"),
+                    *times = ph_i_get(map, "times"), *rate = ph_i_get(map, "rate"),
                     *free = ph_i_get(map, "stress_free"),
                     *to = ph_i_need(r, map, "to", "must be a number"), *node;
     if (strain) read_direction(r, strain);
-    if (free) read_stress_free(r, free);
+    if (stress) read_stress(r, stress, strain, free);
+    if (free && !stress) read_stress_free(r, free);
     if (to) PH_TRY(read_targets(r, to, err));
+    if (times || rate) PH_TRY(read_times(r, times, rate, err));
+    if (stress && !times && !rate)
+        ph_i_complain(r, stress, PH_EINVAL,
+                      "is a loading in time: give times, or a rate");
     read_count(r, map, "steps", 1, "must be an integer from 1 to 1e5", &l->steps);
     read_count(r, map, "stiffness_every", 0, "must be an integer from 0 to 1e5",
                &l->stiffness_every);
@@ -238,10 +300,10 @@ static void check_model(ph_i_reader *r, const ph_i_node *loading)
     if (c->sequence.kind != PH_SEQUENCE_NONE)
         ph_i_complain(r, loading, PH_EINVAL,
                       "does not go with a sequence of cracks: one of both");
-    if (ph_case_relaxes(c))
+    if (ph_case_relaxes(c) && !c->loading.by_stress && !c->loading.times &&
+        !ph_i_get(loading, "times") && !ph_i_get(loading, "rate"))
         ph_i_complain(r, loading, PH_EINVAL,
-                      "takes elastic materials: nothing relaxes "
-                      "while bonds break");
+                      "materials relax: say when, by times or a rate");
 }
 
 ph_status ph_i_read_failure(ph_i_reader *r, const ph_i_node *root, ph_error *err)

@@ -50,10 +50,12 @@ json_t *ph_i_loading_to_json(const ph_case *c, bool *good)
 {
     const ph_loading *l = &c->loading;
     json_t *map = json_object();
-    ph_i_json_set(map, "strain",
+    ph_i_json_set(map, l->by_stress ? "stress" : "strain",
                   ph_i_json_numbers(l->strain, ph_strains(c->kinematics), good), good);
     if (l->stress_free) ph_i_json_set(map, "stress_free", free_components(c, good), good);
     ph_i_json_set(map, "to", ph_i_json_numbers(l->to, l->ntargets, good), good);
+    if (l->times)
+        ph_i_json_set(map, "times", ph_i_json_numbers(l->times, l->ntargets, good), good);
     ph_i_json_set(map, "steps", json_integer(l->steps), good);
     ph_i_json_set(map, "window", json_real(l->window), good);
     ph_i_json_set(map, "break", json_string(l->together ? "together" : "events"), good);

@@ -9,7 +9,7 @@
 #include <string.h>
 
 static ph_status put_energy(json_t *obj, const char *path, const ph_failure_energy *e,
-                            json_t *reasons, ph_error *err)
+                            bool in_time, json_t *reasons, ph_error *err)
 {
     ph_status st = PH_OK;
     PH_TRY(ph_i_json_put(obj, "external", ph_i_json_number(e->external), err));
@@ -17,6 +17,7 @@ static ph_status put_energy(json_t *obj, const char *path, const ph_failure_ener
     PH_TRY(ph_i_json_put_number(obj, path, "fracture", e->fracture, reasons,
                                 "bonds of model nosb hold no energy of their own", err));
     PH_TRY(ph_i_json_put(obj, "dissipated", ph_i_json_number(e->dissipated), err));
+    if (in_time) PH_TRY(ph_i_json_put(obj, "viscous", ph_i_json_number(e->viscous), err));
 out:
     return st;
 }
@@ -32,13 +33,14 @@ static ph_status put_step(const ph_failure_path *p, int number, json_t *list,
     json_t *obj = json_object();
     PH_CHECK(obj, PH_ENOMEM, "no memory for the failure");
     PH_TRY(ph_i_json_put(obj, "load", json_real(s->load), err));
+    if (p->in_time) PH_TRY(ph_i_json_put(obj, "time", json_real(s->time), err));
     PH_TRY(ph_i_json_put(obj, "strain", ph_i_json_numbers(s->strain, p->n, &good), err));
     PH_TRY(ph_i_json_put(obj, "stress", ph_i_json_numbers(s->stress, p->n, &good), err));
     PH_CHECK(good, PH_ENOMEM, "no memory for the failure");
     PH_TRY(ph_i_json_put(obj, "conjugate_stress", ph_i_json_number(s->work), err));
     PH_TRY(ph_i_json_put(obj, "broken_bonds", json_integer((json_int_t)s->broken), err));
     PH_TRY(ph_i_json_put(obj, "events", json_integer((json_int_t)s->events), err));
-    PH_TRY(put_energy(obj, path, &s->energy, reasons, err));
+    PH_TRY(put_energy(obj, path, &s->energy, p->in_time, reasons, err));
     PH_TRY(ph_i_json_add(list, json_incref(obj), err));
 out:
     json_decref(obj);
@@ -56,11 +58,23 @@ static ph_status put_events(const ph_failure_path *p, json_t *failure, json_t *r
     PH_TRY(ph_i_json_put(obj, "count", json_integer((json_int_t)p->nevents), err));
     PH_TRY(ph_i_json_put(obj, "imbalance", ph_i_json_number(p->imbalance), err));
     PH_TRY(put_energy(obj, "effective.failure.event_path",
-                      p->nevents ? &p->event[p->nevents - 1].energy : &none, reasons,
-                      err));
+                      p->nevents ? &p->event[p->nevents - 1].energy : &none, p->in_time,
+                      reasons, err));
     PH_TRY(ph_i_json_put(failure, "event_path", json_incref(obj), err));
 out:
     json_decref(obj);
+    return st;
+}
+
+static ph_status put_times(const ph_failure_path *p, json_t *failure, json_t *reasons,
+                           ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(ph_i_json_put_number(failure, "effective.failure", "first_time", p->first_time,
+                                reasons, "no bond broke", err));
+    PH_TRY(ph_i_json_put_number(failure, "effective.failure", "end_time", p->end_time,
+                                reasons, "it was not severed", err));
+out:
     return st;
 }
 
@@ -72,12 +86,14 @@ ph_status ph_i_json_failure(const ph_failure_path *p, json_t *effective, json_t 
     PH_CHECK(failure && steps && strain, PH_ENOMEM, "no memory for the failure");
     for (int i = 0; i < p->n; i++)
         PH_TRY(ph_i_json_add(strain, ph_i_json_number(p->strain[i]), err));
-    PH_TRY(ph_i_json_put(failure, "strain", json_incref(strain), err));
+    PH_TRY(ph_i_json_put(failure, p->by_stress ? "stress" : "strain", json_incref(strain),
+                         err));
     PH_TRY(ph_i_json_put(failure, "break",
                          json_string(p->together ? "together" : "events"), err));
     PH_TRY(ph_i_json_put(failure, "window", ph_i_json_number(p->window), err));
     PH_TRY(ph_i_json_put_number(failure, "effective.failure", "first_load", p->first_load,
                                 reasons, "no bond broke", err));
+    if (p->in_time) PH_TRY(put_times(p, failure, reasons, err));
     PH_TRY(ph_i_json_put(failure, "peak_load", ph_i_json_number(p->peak_load), err));
     PH_TRY(ph_i_json_put(failure, "peak_stress", ph_i_json_number(p->peak_stress), err));
     PH_TRY(ph_i_json_put(failure, "toughness", ph_i_json_number(p->toughness), err));
@@ -116,7 +132,7 @@ ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *
                              *const rest[] = {"conjugate_stress", "broken_bonds",
                                               "external",         "stored",
                                               "fracture",         "dissipated"};
-    const char *name[19] = {"load"};
+    const char *name[21] = {"load"};
     ph_table *t = NULL;
     int k = 1;
     PH_CHECK(p && text && p->nsteps > 0, PH_EINVAL, "no failure to write");
@@ -126,6 +142,7 @@ ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *
         name[k++] = rest[i];
     for (int i = 0; i < p->n; i++)
         name[k++] = p->n == 3 ? three[3 + i] : six[6 + i];
+    if (p->in_time) name[k++] = "time", name[k++] = "viscous";
     PH_TRY(ph_table_new(k, name, p->nsteps, &t, err));
     for (int i = 0; i < p->nsteps; i++) {
         const ph_failure_step *s = &p->step[i];
@@ -139,6 +156,9 @@ ph_status ph_failure_steps_csv(const ph_failure_path *p, char **text, ph_error *
             t->value[(ptrdiff_t)(1 + p->n + j) * p->nsteps + i] = last[j];
         for (int j = 0; j < p->n; j++)
             t->value[(ptrdiff_t)(7 + p->n + j) * p->nsteps + i] = s->strain[j];
+        if (!p->in_time) continue;
+        t->value[(ptrdiff_t)(7 + 2 * p->n) * p->nsteps + i] = s->time;
+        t->value[(ptrdiff_t)(8 + 2 * p->n) * p->nsteps + i] = s->energy.viscous;
     }
     PH_TRY(to_text(&t, text, err));
 out:
@@ -149,13 +169,14 @@ out:
 ph_status ph_failure_events_csv(const ph_failure_path *p, char **text, ph_error *err)
 {
     ph_status st = PH_OK;
-    static const char *const name[] = {"load",         "stress_before", "stress_after",
-                                       "broken_bonds", "external",      "stored",
-                                       "fracture",     "dissipated",    "iterations"};
+    static const char *const name[] = {
+        "load",     "stress_before", "stress_after", "broken_bonds", "external", "stored",
+        "fracture", "dissipated",    "iterations",   "time",         "viscous"};
     enum { COLUMNS = sizeof name / sizeof *name };
+    const int columns = p && p->in_time ? COLUMNS : COLUMNS - 2;
     ph_table *t = NULL;
     PH_CHECK(p && text, PH_EINVAL, "no failure to write");
-    PH_TRY(ph_table_new(COLUMNS, name, p->nevents, &t, err));
+    PH_TRY(ph_table_new(columns, name, p->nevents, &t, err));
     for (ptrdiff_t i = 0; i < p->nevents; i++) {
         const ph_failure_event *e = &p->event[i];
         const double row[COLUMNS] = {e->load,
@@ -166,8 +187,10 @@ ph_status ph_failure_events_csv(const ph_failure_path *p, char **text, ph_error 
                                      e->energy.stored,
                                      e->energy.fracture,
                                      e->energy.dissipated,
-                                     e->iterations};
-        for (int j = 0; j < COLUMNS; j++)
+                                     e->iterations,
+                                     e->time,
+                                     e->energy.viscous};
+        for (int j = 0; j < columns; j++)
             t->value[j * p->nevents + i] = row[j];
     }
     PH_TRY(to_text(&t, text, err));

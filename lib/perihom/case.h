@@ -206,7 +206,7 @@ typedef struct ph_case {
     ph_crack_entry *cracks;
     ph_sequence_entry sequence;
     ph_failure_rule *strengths; /* [nmaterials], or NULL: not given */
-    double *targets;
+    double *targets, *target_times;
     ph_failure failure; /* with `strengths` */
     ph_loading loading; /* with `targets`; none: not given */
     int pictures_every; /* steps of the loading between pictures; 0: the last one only */

@@ -64,7 +64,8 @@ typedef struct ph_failure {
 } ph_failure;
 
 /** Macro strain lambda times one direction; lambda goes from 0 to `to[0]`, then to `to[1]`
- *  and so on. Borrows its array. */
+ *  and so on. With `times`, where phases may relax, it does so at these times, straight
+ *  between them. Borrows its arrays. */
 typedef struct ph_loading {
     double strain[6]; /* direction, Voigt order of the grid, engineering shear */
     int ntargets;
@@ -80,6 +81,10 @@ typedef struct ph_loading {
     /* Bit a: component a of the strain is found, so that its macro stress is zero; strain[a]
      * is 0 then. Not all components. */
     unsigned stress_free;
+    /* [ntargets] not decreasing, >= 0: when the targets are reached; two of one time, or the
+     * first at 0: a jump. NULL: no time passes, nothing relaxes. */
+    const double *times;
+    bool by_stress; /* with times: `strain` is the direction of a macro stress instead */
 } ph_loading;
 
 /** Energies per volume of the RVE (2D: per area), along a path. */
@@ -90,12 +95,14 @@ typedef struct ph_failure_energy {
     double
         dissipated; /* fracture and what is set free beyond: taken from the bonds that break,
                         * 1/2 k e- e+ each, e- before and e+ after */
+    double viscous; /* dissipated by phases that relax */
 } ph_failure_energy;
 
 /** One event: bonds became critical at `load` and were taken away there. The path from event
  *  to event follows the load up and down: crack-length control. */
 typedef struct ph_failure_event {
     double load;      /* lambda */
+    double time;      /* NaN without times */
     double before;    /* stress along the direction, see ph_failure_path, before it */
     double after;     /* and after, at the same load */
     ptrdiff_t broken; /* bonds, the initial cracks' included */
@@ -107,9 +114,10 @@ typedef struct ph_failure_event {
 /** A step of the loading: the strain is controlled and jumps over snap-backs. */
 typedef struct ph_failure_step {
     double load;
+    double time;      /* NaN without times */
     double stress[6]; /* mean, Voigt order */
     double strain[6]; /* mean, Voigt order, engineering shear */
-    double work;      /* conjugate stress: stress : direction */
+    double work; /* conjugate stress: stress : direction; by_stress: strain : direction */
     ptrdiff_t broken, events;
     ph_failure_energy energy;
 } ph_failure_step;
@@ -137,12 +145,15 @@ typedef struct ph_failure_path {
     double window;
     bool together;
     bool severed; /* no stress is left in the direction of the load */
-    bool apart;   /* a piece that tractions pull has come off: it ends there */
+    bool apart;   /* nothing holds a stress that is given: it ends there */
     /* Of the controlled path: */
     double peak_load, peak_stress; /* largest conjugate stress, at an event or a step */
     double first_load;             /* first event; NaN: none */
+    bool in_time, by_stress;       /* as the loading */
+    double first_time, end_time;   /* of the first event, and when it was severed; NaN */
     double toughness;              /* integral of conjugate stress over the loading */
-    /* worst |external - stored - dissipated| of an event over the largest external work */
+    /* worst |external - stored - dissipated - viscous| of an event over the largest external
+     * work; in time, of a step */
     double imbalance;
 } ph_failure_path;
 PH_API void ph_failure_path_free(ph_failure_path **path);

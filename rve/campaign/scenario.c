@@ -84,7 +84,7 @@ static ph_status solve(const ph_scenario *s, const ph_problem *problem, const ph
     ph_viscoelastic *v = NULL;
     for (int i = 0; i < s->noutputs; i++)
         relaxes |= isfinite(s->output[i].at);
-    if (!relaxes || !ph_case_relaxes(s->c)) {
+    if (!relaxes || !ph_case_relaxes(s->c) || problem->loading) {
         ph_problem elastic = *problem;
         elastic.nconstants = s->noutputs;
         elastic.constants = s->output;

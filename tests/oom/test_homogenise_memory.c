@@ -154,13 +154,14 @@ static void cracks(void **state)
     CHECK_END();
 }
 
-/* A loading that breaks bonds, with scatter and a crack; springs and states. */
+/* A loading that breaks bonds, with scatter and a crack; springs and states; with strains
+ * that are found, under traction, and in time. */
 static void failure(void **state)
 {
     (void)state;
     static const char *const kinds[] = {"bond", "nosb"};
-    static const double to[] = {0.5};
-    for (int i = 0; i < 2; i++) {
+    static const double to[] = {0.5}, times[] = {1.0};
+    for (int i = 0; i < 6; i++) {
         ph_error err = PH_ERROR_INIT;
         ptrdiff_t n[2] = {6, 6};
         double size[2] = {1, 1}, v[2][3] = {{0.2, 0.55, 0}, {0.6, 0.55, 0}};
@@ -168,9 +169,15 @@ static void failure(void **state)
         ph_material m;
         ph_microstructure *micro = NULL;
         ph_cracks c = {0};
-        CHECK_OK(ph_material_isotropic("m", 1.0, 1.0 / 3, &m, &err));
+        const ph_modulus_term e = {0.5, 0.4};
+        if (i < 4)
+            CHECK_OK(ph_material_isotropic("m", 1.0, 1.0 / 3, &m, &err));
+        else
+            CHECK_OK(ph_material_viscoelastic_young("m", &(ph_modulus){0.6, 1, &e},
+                                                    1.0 / 3, &m, &err));
         CHECK_OK(ph_grid_init(&g, PH_PLANE_STRESS, n, size, &err));
         CHECK_OK(ph_microstructure_new(&g, 1, &m, &micro, &err));
+        if (i >= 4) ph_material_clear(&m);
         CHECK_OK(ph_cracks_add_line(&c, 2, (const double(*)[3])v, &err));
         const ph_failure_rule rule = {
             .given = true, .value = (double)NAN, .fracture_energy = 1e-4, .weibull = 9.0};
@@ -180,13 +187,17 @@ static void failure(void **state)
                               .to = to,
                               .steps = 2,
                               .window = 1.0,
-                              .stiffness_every = 1};
-        world w = {.problem = {.micro = micro,
-                               .model = {.kind = kinds[i], .horizon = 1.5},
-                               .solver = {.tolerance = 1e-3},
-                               .cracks = &c,
-                               .failure = &f,
-                               .loading = &l}};
+                              .stiffness_every = 1,
+                              .stress_free = i == 2 || i == 3 ? 1 : 0,
+                              .times = i >= 4 ? times : NULL};
+        world w = {
+            .problem = {.micro = micro,
+                        .model = {.kind = kinds[i % 2], .horizon = 1.5},
+                        .constraint = {.kind = i == 3 ? "uniform_traction" : "periodic"},
+                        .solver = {.tolerance = 1e-3},
+                        .cracks = &c,
+                        .failure = &f,
+                        .loading = &l}};
         CHECK_OK(call(&w, &err));
         CHECK(w.result && w.result->failure->nevents > 1);
         ph_result_free(&w.result);
