@@ -151,6 +151,8 @@ static ph_status gather_loading(gathering *g, ph_error *err)
         !p->stress_free, PH_EINVAL,
         "no damage law: strains that zero stress finds turn with the damage, the law "
         "is one of a strain that keeps its direction");
+    PH_CHECK(!p->in_time, PH_EINVAL,
+             "no damage law: phases relax while bonds break, the law knows no time");
     PH_CHECK(first, PH_EINVAL,
              "no damage law: the stiffness of the cracked cell before the first bond "
              "breaks is not known (loading: stiffness_every)");

@@ -80,7 +80,7 @@ void ph_i_damage_measures(ph_result *result)
     for (int i = 0; i < d->nsteps; i++) {
         ph_damage_step *s = &d->step[i];
         bool same = s->broken_bonds == broken;
-        s->tangent = p && p->stress_free && !same ? unknown(n)
+        s->tangent = p && (p->stress_free || p->in_time) && !same ? unknown(n)
                      : before && !same
                          ? chord(before, &s->stiffness, strain, from, s->value)
                          : s->stiffness;

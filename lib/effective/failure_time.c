@@ -458,6 +458,7 @@ ph_status ph_i_run_failure_in_time(ph_run *r, ph_error *err)
         ph_i_damage_begin(r, PH_SEQUENCE_LOADING, ph_i_stiffness_steps(c.loading), err));
     PH_TRY(start(&c, err));
     PH_TRY(walk(&c, err));
+    ph_i_damage_measures(r->result);
     c.path->toughness = c.energy.external;
     if (c.energy.external > 0.0) c.path->imbalance /= c.energy.external;
 out:
