@@ -1,197 +1,183 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Companions of a case: the same geometry on a coarser grid, and what they say. */
+/* Error bars of the result of a case: its companions, and what they say. */
+#include "companion.h"
 #include "core/check.h"
-#include "perihom_error_bar.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Fewer nodes along an axis show no microstructure. */
-enum { LEAST_NODES = 2 };
-
-/* What is made for one set of error bars. */
-typedef struct companions {
-    const ph_case *c;
-    const ph_problem *problem; /* of the case, on its grid */
-    const ph_ctx *ctx;
+/* All that was solved beside one result. */
+typedef struct evidence {
+    ph_i_companion k;
     ph_result *result;
-    ph_case coarse; /* borrows the arrays of the case */
-    ph_microstructure *micro;
-    ph_packing *packing;
-    ph_crack_plan *plan;
-    ph_problem coarse_problem;
-    double ratio;
+    ph_result *coarse, *half, *other; /* coarser grid: as it is, half the horizon, another
+                                       * constraint */
+    ph_viscoelastic *relaxation;      /* coarser grid */
     ph_sym4 matrix;
-    char why[200];
-    ph_error_bar *bar;
-} companions;
+    char no_horizon[200], no_boundary[200];
+    ph_error_evidence e;
+} evidence;
 
-static void clear(companions *k)
+static void clear(evidence *v)
 {
-    ph_microstructure_free(&k->micro);
-    ph_packing_free(&k->packing);
-    ph_crack_plan_free(&k->plan);
-    free(k->bar);
+    ph_result_free(&v->coarse);
+    ph_result_free(&v->half);
+    ph_result_free(&v->other);
+    ph_viscoelastic_free(&v->relaxation);
+    ph_i_companion_clear(&v->k);
 }
 
-/* ---- the coarser grid ---- */
-
-const char *ph_rve_companion_nodes(const ph_case *c, ptrdiff_t nodes[3], double *ratio)
+static bool wants(const evidence *v, const char *part)
 {
-    if (!c || !nodes || !ratio) return "an argument is missing";
-    double product = 1.0;
-    int axes = 0;
-    for (int a = 0; a < 3; a++) {
-        ptrdiff_t n = c->nodes[a];
-        nodes[a] = n > 1 ? (n + 1) / 2 : n;
-        if (n <= 1) continue;
-        if (nodes[a] < LEAST_NODES) return "the grid is too coarse to be halved";
-        product *= (double)n / (double)nodes[a];
-        axes++;
-    }
-    if (axes == 0) return "the grid has one node";
-    *ratio = pow(product, 1.0 / axes);
-    return NULL;
-}
-
-/* Why no coarser grid shows the same, or NULL. */
-static const char *no_companion(const companions *k)
-{
-    const ph_case *c = k->c;
-    if (c->loading.ntargets > 0)
-        return "bonds break: on another grid they take another path";
-    if (c->voxels.file[0])
-        return "voxels are as they are: no coarser grid shows the same";
-    if (strcmp(k->result->route ? k->result->route : "", "analytic") == 0)
-        return NULL; /* nothing is solved there either */
-    return NULL;
-}
-
-static bool draws_nodes(const ph_packing *p)
-{
-    for (int i = 0; p && i < p->nkinds; i++)
-        if (p->kind[i].counting == PH_COUNT_NODES) return true;
+    for (size_t i = 0; i < ph_nerror_parts; i++)
+        if (strcmp(ph_error_parts[i].info.name, part) == 0)
+            return v->k.c->error_parts >> i & 1u;
     return false;
-}
-
-static void borrow_problem(companions *k)
-{
-    k->coarse_problem = *k->problem;
-    k->coarse_problem.micro = k->micro;
-    k->coarse_problem.cracks = &k->plan->cracks;
-    k->coarse_problem.sequence = &k->plan->sequence;
-    k->coarse_problem.keep_fields = false;
-}
-
-/* The same shapes, fillers and cracks on the coarser grid. */
-static ph_status build(companions *k, ph_error *err)
-{
-    ph_status st = PH_OK;
-    const char *no = no_companion(k);
-    k->coarse = *k->c;
-    memcpy(k->coarse.nodes, k->problem->micro->grid.n, sizeof k->coarse.nodes);
-    if (!no) no = ph_rve_companion_nodes(&k->coarse, k->coarse.nodes, &k->ratio);
-    if (no) {
-        snprintf(k->why, sizeof k->why, "%s", no);
-        return PH_OK;
-    }
-    if (k->c->nfillers > 0 && k->c->drawn_on[0] == 0)
-        memcpy(k->coarse.drawn_on, k->c->nodes, sizeof k->coarse.drawn_on);
-    PH_TRY(ph_rve_generate(&k->coarse, &k->micro, &k->packing, err));
-    if (draws_nodes(k->packing)) {
-        snprintf(k->why, sizeof k->why,
-                 "fillers are drawn node by node: a coarser grid does not show them");
-        goto out;
-    }
-    PH_TRY(ph_rve_cracks(&k->coarse, &k->plan, err));
-    borrow_problem(k);
-out:
-    return st;
-}
-
-/* A companion that cannot be solved is a reason, not a failure; an interruption and a lack of
- * memory are. */
-static ph_status solve(companions *k, const ph_problem *problem, const char *what,
-                       ph_result **out, ph_error *err)
-{
-    ph_error own = PH_ERROR_INIT;
-    ph_status st = ph_homogenise(problem, k->ctx, out, &own);
-    if (*out) {
-        k->bar->seconds += (*out)->seconds;
-        k->bar->iterations += (*out)->work.iterations;
-        k->bar->applications += (*out)->work.applications;
-        k->bar->ffts += (*out)->work.ffts;
-    }
-    if (st == PH_OK) return st;
-    ph_result_free(out);
-    if (st == PH_ECANCELLED || st == PH_ENOMEM) {
-        if (err) *err = own;
-        return st;
-    }
-    snprintf(k->why, sizeof k->why, "%s: %.150s", what, own.msg);
-    return PH_OK;
 }
 
 /* ---- fractions: reached, and asked for ---- */
 
 /* What is painted by node centres against what cut cells hold, which is exact. */
-static ph_status painted_off(companions *k, double *off, ph_error *err)
+static ph_status painted_off(evidence *v, double *off, ph_error *err)
 {
     ph_status st = PH_OK;
-    ph_case exact = k->coarse;
+    ph_case exact = v->k.coarse;
     ph_microstructure *micro = NULL;
     double *fraction = NULL;
     exact.interface = PH_INTERFACE_COMPOSITE;
-    PH_TRY(ph_rve_paint(&exact, k->packing, &micro, err));
+    PH_TRY(ph_rve_paint(&exact, v->k.packing, &micro, err));
     PH_ALLOC(fraction, micro->nmaterials, "fractions");
     ph_microstructure_fractions(micro, fraction);
     for (int m = 0; m < micro->nmaterials; m++)
-        if (m != k->c->matrix) *off += fabs(fraction[m] - k->result->fractions[m]);
+        if (m != v->k.c->matrix) *off += fabs(fraction[m] - v->result->fractions[m]);
 out:
     ph_microstructure_free(&micro);
     free(fraction);
     return st;
 }
 
-static ph_status fractions(companions *k, ph_error_evidence *e, ph_error *err)
+static ph_status fractions(evidence *v, ph_error *err)
 {
     ph_status st = PH_OK;
-    const ph_case *c = k->c;
-    if (c->voxels.file[0]) return PH_OK;
-    PH_TRY(ph_sym4_reduce(&c->materials[c->matrix].stiffness, c->kinematics, &k->matrix,
+    const ph_case *c = v->k.c;
+    if (c->voxels.file[0] || !wants(v, "geometry")) return PH_OK;
+    PH_TRY(ph_sym4_reduce(&c->materials[c->matrix].stiffness, c->kinematics, &v->matrix,
                           err));
-    e->matrix = &k->matrix;
-    e->share = 1.0 - k->result->fractions[c->matrix];
-    for (int i = 0; k->packing && i < k->packing->nkinds; i++) {
-        const ph_filler_report *r = &k->packing->kind[i];
-        if (isfinite(r->target)) e->share_off += fabs(r->target - r->reached);
+    v->e.matrix = &v->matrix;
+    v->e.share = 1.0 - v->result->fractions[c->matrix];
+    for (int i = 0; v->k.packing && i < v->k.packing->nkinds; i++) {
+        const ph_filler_report *r = &v->k.packing->kind[i];
+        if (isfinite(r->target)) v->e.share_off += fabs(r->target - r->reached);
     }
-    if (k->result->interface == PH_INTERFACE_NODE_CENTRE && k->micro)
-        PH_TRY(painted_off(k, &e->share_off, err));
+    if (v->result->interface == PH_INTERFACE_NODE_CENTRE && v->k.micro)
+        PH_TRY(painted_off(v, &v->e.share_off, err));
 out:
     return st;
 }
 
-/* ---- all of it ---- */
+/* ---- what is asked for beside: half the horizon, another constraint ---- */
 
-static ph_status judge(companions *k, ph_error *err)
+static ph_status solve_half(evidence *v, ph_error *err)
 {
     ph_status st = PH_OK;
-    ph_result *coarse = NULL;
-    ph_error_evidence e = {.result = k->result, .parts = k->c->error_parts};
-    PH_TRY(build(k, err));
-    if (!k->why[0]) PH_TRY(solve(k, &k->coarse_problem, "coarser grid", &coarse, err));
-    if (coarse) {
-        e.coarse = &coarse->stiffness;
-        e.ratio = k->ratio;
+    ph_problem p = v->k.coarse_problem;
+    v->e.no_horizon = v->no_horizon;
+    if (!wants(v, "horizon") || !v->coarse) {
+        snprintf(v->no_horizon, sizeof v->no_horizon, "%s", v->k.why);
+        return PH_OK;
     }
-    e.no_coarse = k->why;
-    PH_TRY(fractions(k, &e, err));
-    PH_TRY(ph_error_bar_estimate(&e, k->bar, err));
-    if (coarse) memcpy(k->bar->nodes, coarse->grid.n, sizeof k->bar->nodes);
+    if (!p.model.horizon_is_length) {
+        snprintf(v->no_horizon, sizeof v->no_horizon,
+                 "the horizon goes with the spacing: it is in the discretisation");
+        return PH_OK;
+    }
+    p.model.horizon *= 0.5;
+    PH_TRY(ph_i_companion_solve(&v->k, &p, &v->half, v->no_horizon, err));
+    if (!v->half) return PH_OK;
+    v->e.horizon = &v->coarse->stiffness;
+    v->e.half_horizon = &v->half->stiffness;
 out:
-    ph_result_free(&coarse);
     return st;
+}
+
+/* Periodic against linear displacements, all else against periodic. */
+static ph_status solve_other(evidence *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_problem p = v->k.coarse_problem;
+    bool periodic = strcmp(v->result->constraint, "periodic") == 0;
+    v->e.no_boundary = v->no_boundary;
+    if (!wants(v, "boundary") || !v->coarse) {
+        snprintf(v->no_boundary, sizeof v->no_boundary, "%s", v->k.why);
+        return PH_OK;
+    }
+    p.constraint =
+        (ph_constraint_params){.kind = periodic ? "linear_displacement" : "periodic"};
+    PH_TRY(ph_i_companion_solve(&v->k, &p, &v->other, v->no_boundary, err));
+    if (!v->other) return PH_OK;
+    v->e.constraint = &v->coarse->stiffness;
+    v->e.other_constraint = &v->other->stiffness;
+out:
+    return st;
+}
+
+/* ---- an elastic result, with cracks or without ---- */
+
+static ph_status judge(evidence *v, ph_error_bar *bar, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(ph_error_bar_estimate(&v->e, bar, err));
+    bar->seconds = v->k.seconds;
+    bar->iterations = v->k.iterations;
+    bar->applications = v->k.applications;
+    bar->ffts = v->k.ffts;
+    if (v->coarse) memcpy(bar->nodes, v->coarse->grid.n, sizeof bar->nodes);
+out:
+    return st;
+}
+
+/* Every step against the same step of the companion; the last one is the result. */
+static ph_status judge_steps(evidence *v, ph_error_bar *last, ph_error_bar **steps,
+                             ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_damage *d = v->result->damage;
+    const ph_damage *coarse = v->coarse ? v->coarse->damage : NULL;
+    if (!d || !coarse || coarse->nsteps != d->nsteps || d->nsteps < 1) return PH_OK;
+    PH_ALLOC(*steps, d->nsteps, "the error bars of the steps");
+    for (int i = 0; i < d->nsteps; i++) {
+        v->e.stiffness = &d->step[i].stiffness;
+        v->e.stabilisation = &d->step[i].stabilisation_energy;
+        v->e.coarse = &coarse->step[i].stiffness;
+        PH_TRY(judge(v, &(*steps)[i], err));
+    }
+    *last = (*steps)[d->nsteps - 1];
+out:
+    return st;
+}
+
+static ph_status collect(evidence *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    v->e = (ph_error_evidence){.result = v->result, .parts = v->k.c->error_parts};
+    PH_TRY(ph_i_companion_build(&v->k, err));
+    if (!v->k.why[0] && wants(v, "discretisation"))
+        PH_TRY(
+            ph_i_companion_solve(&v->k, &v->k.coarse_problem, &v->coarse, v->k.why, err));
+    v->e.no_coarse = v->k.why;
+    v->e.ratio = v->k.ratio;
+    if (v->coarse) v->e.coarse = &v->coarse->stiffness;
+    PH_TRY(solve_half(v, err));
+    PH_TRY(solve_other(v, err));
+    PH_TRY(fractions(v, err));
+out:
+    return st;
+}
+
+static bool is_complete(const ph_result *r)
+{
+    unsigned all = (1u << ph_strains(r->grid.kinematics)) - 1u;
+    return r->converged && (r->loads & all) == all;
 }
 
 ph_status ph_rve_error_bar(const ph_case *c, const ph_problem *problem, const ph_ctx *ctx,
@@ -199,16 +185,133 @@ ph_status ph_rve_error_bar(const ph_case *c, const ph_problem *problem, const ph
 {
     PH_GIVEN(c && problem && problem->micro && result);
     ph_status st = PH_OK;
-    companions k = {.c = c, .problem = problem, .ctx = ctx, .result = result};
-    unsigned all = (1u << ph_strains(result->grid.kinematics)) - 1u;
-    bool whole = (result->loads & all) == all && problem->nconstants == 0;
-    if (c->error_parts == 0 || !result->converged || !whole) return PH_OK;
-    PH_ALLOC(k.bar, 1, "error bars");
-    PH_TRY(judge(&k, err));
+    evidence v = {.k = {.c = c, .problem = problem, .ctx = ctx}, .result = result};
+    ph_error_bar *bar = NULL, *steps = NULL;
+    if (c->error_parts == 0 || !is_complete(result) || problem->nconstants > 0)
+        return PH_OK;
+    PH_ALLOC(bar, 1, "error bars");
+    PH_TRY(collect(&v, err));
+    PH_TRY(judge(&v, bar, err));
+    PH_TRY(judge_steps(&v, bar, &steps, err));
     free(result->error_bar);
-    result->error_bar = k.bar;
-    k.bar = NULL;
+    result->error_bar = bar;
+    if (steps) {
+        free(result->damage->error_bars);
+        result->damage->error_bars = steps;
+    }
+    bar = steps = NULL;
 out:
-    clear(&k);
+    free(bar);
+    free(steps);
+    clear(&v);
+    return st;
+}
+
+/* ---- a relaxation ---- */
+
+/* The same route on the coarser grid; what fails is a reason. */
+static ph_status relax(evidence *v, const ph_relaxation_params *params, ph_error *err)
+{
+    ph_error own = PH_ERROR_INIT;
+    if (v->k.why[0] || !wants(v, "discretisation")) return PH_OK;
+    ph_status st = ph_viscoelastic_solve(&v->k.coarse_problem, params, v->k.ctx,
+                                         &v->relaxation, &own);
+    if (st == PH_ECANCELLED || st == PH_ENOMEM) {
+        if (err) *err = own;
+        return st;
+    }
+    if (st != PH_OK) {
+        snprintf(v->k.why, sizeof v->k.why, "coarser grid: %.150s", own.msg);
+    } else {
+        v->k.seconds += v->relaxation->seconds;
+        v->k.iterations += v->relaxation->iterations;
+        v->k.applications += v->relaxation->applications;
+    }
+    return PH_OK;
+}
+
+static ph_sym4 at(const ph_viscoelastic *v, double time)
+{
+    return isinf(time)   ? v->series->equilibrium
+           : time == 0.0 ? ph_prony_instantaneous(v->series)
+                         : ph_prony_at_time(v->series, time);
+}
+
+/* The bars of an effective relaxation. */
+typedef struct time_bars {
+    int n;
+    ph_time_error_bar *at; /* [n] at once, one a decade, at last */
+} time_bars;
+
+static ph_status times_of(const ph_prony *series, time_bars *bars, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int n = 0;
+    double *grid = NULL;
+    PH_TRY(ph_prony_grid(series, false, 1, &n, &grid, err));
+    PH_ALLOC(bars->at, n + 2, "the error bars of the times");
+    for (int i = 0; i < n; i++)
+        bars->at[i + 1].time = grid[i];
+    bars->at[n + 1].time = INFINITY;
+    bars->n = n + 2;
+out:
+    free(grid);
+    return st;
+}
+
+static ph_status judge_times(evidence *v, const ph_viscoelastic *x, time_bars *bars,
+                             ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_TRY(times_of(x->series, bars, err));
+    for (int i = 0; i < bars->n; i++) {
+        double time = bars->at[i].time;
+        ph_sym4 here = at(x, time), there;
+        v->e.stiffness = &here;
+        if (v->relaxation && v->relaxation->series) {
+            there = at(v->relaxation, time);
+            v->e.coarse = &there;
+        }
+        PH_TRY(judge(v, &bars->at[i].bar, err));
+        if (v->relaxation)
+            memcpy(bars->at[i].bar.nodes, v->k.micro->grid.n,
+                   sizeof bars->at[i].bar.nodes);
+    }
+out:
+    return st;
+}
+
+ph_status ph_rve_relaxation_error_bar(const ph_case *c, const ph_problem *problem,
+                                      const ph_relaxation_params *params,
+                                      const ph_ctx *ctx, ph_viscoelastic *out,
+                                      ph_error *err)
+{
+    PH_GIVEN(c && problem && problem->micro && params && out && out->elastic);
+    ph_status st = PH_OK;
+    ph_result *r = out->elastic;
+    evidence v = {.k = {.c = c, .problem = problem, .ctx = ctx}, .result = r};
+    ph_error_bar *first = NULL;
+    time_bars bars = {0};
+    if (c->error_parts == 0 || !out->series || !is_complete(r)) return PH_OK;
+    v.e = (ph_error_evidence){.result = r, .parts = c->error_parts, .time = out->error};
+    PH_TRY(ph_i_companion_build(&v.k, err));
+    PH_TRY(relax(&v, params, err));
+    v.e.no_coarse = v.k.why;
+    v.e.ratio = v.k.ratio;
+    PH_TRY(fractions(&v, err));
+    PH_ALLOC(first, 1, "error bars");
+    PH_TRY(judge_times(&v, out, &bars, err));
+    *first = bars.at[0].bar;
+    free(r->error_bar);
+    free(out->error_bars);
+    r->error_bar = first;
+    out->error_bars = bars.at;
+    out->nerror_bars = bars.n;
+    first = NULL;
+    bars.at = NULL;
+out:
+    free(first);
+    free(bars.at);
+    clear(&v);
     return st;
 }

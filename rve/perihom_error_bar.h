@@ -27,6 +27,14 @@ PH_API const char *ph_rve_companion_nodes(const ph_case *c, ptrdiff_t nodes[3],
 PH_API ph_status ph_rve_error_bar(const ph_case *c, const ph_problem *problem,
                                   const ph_ctx *ctx, ph_result *result, ph_error *err);
 
+/** The same for a relaxation: error bars of C*(t) at once, at one time a decade and at last, in
+ *  out->error_bars, and those at once in out->elastic->error_bar. Nothing where the route
+ *  gives no series. @param[in] params with which `out` was solved */
+PH_API ph_status ph_rve_relaxation_error_bar(const ph_case *c, const ph_problem *problem,
+                                             const ph_relaxation_params *params,
+                                             const ph_ctx *ctx, ph_viscoelastic *out,
+                                             ph_error *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -7,6 +7,7 @@
 #include <jansson.h>
 
 #include <math.h>
+#include <perihom_error_bar.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -58,6 +59,7 @@ ph_status relaxation_solve(const ph_case *c, const ph_problem *problem, const ph
         params.nomega = phase_grid(c, 4, true, x);
     }
     PH_TRY(ph_viscoelastic_solve(problem, &params, ctx, v, err));
+    PH_TRY(ph_rve_relaxation_error_bar(c, problem, &params, ctx, *v, err));
     if ((*v)->series || (*v)->ncurve > 0 || (*v)->ndynamic > 0)
         PH_TRY(ph_relaxation_report_new(*v, w, report, err));
 out:

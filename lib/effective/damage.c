@@ -11,6 +11,7 @@ void ph_damage_free(ph_damage **damage)
     if (!damage || !*damage) return;
     free((*damage)->step);
     free((*damage)->field);
+    free((*damage)->error_bars);
     free(*damage);
     *damage = NULL;
 }
@@ -167,7 +168,11 @@ ph_status ph_i_damage_step(ph_run *r, ph_damage_step *s, bool apart, ph_error *e
         r->result->nloads = 0;
         r->result->converged = true;
     } else {
+        double worst = r->result->stabilisation_energy;
+        r->result->stabilisation_energy = 0.0;
         PH_TRY(solve_step(r, err));
+        s->stabilisation_energy = r->result->stabilisation_energy;
+        r->result->stabilisation_energy = fmax(worst, s->stabilisation_energy);
     }
     record(r, s);
 out:

@@ -72,9 +72,14 @@ static double discretisation(const ph_error_evidence *e, const ph_quantity *q,
  * interfaces) and 1 (perturbation); from 0 to here it adds share / p. */
 static const double one_over_power = 2.0;
 
+static double share_of_energy(const ph_error_evidence *e)
+{
+    return e->stabilisation ? *e->stabilisation : e->result->stabilisation_energy;
+}
+
 static const char *no_share(const ph_error_evidence *e)
 {
-    return isfinite(e->result->stabilisation_energy)
+    return isfinite(share_of_energy(e))
                ? NULL
                : "the energy of the stabilisation was not computed";
 }
@@ -82,8 +87,7 @@ static const char *no_share(const ph_error_evidence *e)
 static double stabilisation(const ph_error_evidence *e, const ph_quantity *q,
                             double value)
 {
-    (void)q;
-    return one_over_power * e->result->stabilisation_energy * fabs(value);
+    return one_over_power * share_of_energy(e) * scale(e, q, value);
 }
 
 /* ---- geometry: the share of the fillers ---- */
@@ -168,7 +172,7 @@ static double solver(const ph_error_evidence *e, const ph_quantity *q, double va
             if (a != b) moved.m[b][a] += step;
             sum += fabs(ph_i_error_value(e, q, &moved) - value) / step * off.m[a][b];
         }
-    return sum + 1e-12 * fabs(value); /* and round-off */
+    return sum + 1e-11 * fabs(value); /* and round-off */
 }
 
 /* ---- horizon, boundary, time: where there is something to compare ---- */
@@ -206,8 +210,7 @@ static const char *no_time(const ph_error_evidence *e)
 
 static double basis(const ph_error_evidence *e, const ph_quantity *q, double value)
 {
-    (void)q;
-    return e->time * fabs(value);
+    return e->time * scale(e, q, value);
 }
 
 const ph_error_part ph_error_parts[] = {

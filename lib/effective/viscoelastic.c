@@ -43,6 +43,7 @@ void ph_viscoelastic_free(ph_viscoelastic **out)
     free(v->curve);
     free(v->response);
     free(v->dynamic);
+    free(v->error_bars);
     free(v);
     *out = NULL;
 }

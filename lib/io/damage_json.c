@@ -75,6 +75,12 @@ static ph_status put_step(const ph_damage *d, int number, json_t *list, json_t *
     PH_TRY(put_integer(obj, "nodes_without_stress", s->mute_nodes, err));
     PH_TRY(put_integer(obj, "iterations", s->iterations, err));
     PH_TRY(ph_i_json_put(obj, "residual", ph_i_json_number(s->residual), err));
+    if (d->error_bars) {
+        char key[80];
+        snprintf(key, sizeof key, "%s.error_bar", path);
+        PH_TRY(ph_i_json_error_list(&d->error_bars[number], key, false, obj, "error_bar",
+                                    reasons, err));
+    }
     PH_TRY(ph_i_json_add(list, json_incref(obj), err));
 out:
     json_decref(obj);

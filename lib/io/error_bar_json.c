@@ -3,16 +3,24 @@
 #include "io/json.h"
 
 #include <math.h>
+#include <string.h>
 
-/* list[name] = x of every constant; a null has its reason under path.name. */
-static ph_status put_list(const ph_error_bar *bar, const char *key, const char *path,
-                          json_t *parent, json_t *reasons, ph_error *err)
+bool ph_i_is_linear(const ph_error_constant *k)
+{
+    return k->name[0] == 'C' || strcmp(k->name, "isotropic.K") == 0 ||
+           strcmp(k->name, "isotropic.G") == 0;
+}
+
+ph_status ph_i_json_error_list(const ph_error_bar *bar, const char *path, bool linear,
+                               json_t *map, const char *key, json_t *reasons,
+                               ph_error *err)
 {
     ph_status st = PH_OK;
     json_t *list = json_object();
-    PH_TRY(ph_i_json_put(parent, key, list, err));
+    PH_TRY(ph_i_json_put(map, key, list, err));
     for (int i = 0; i < bar->count; i++) {
         const ph_error_constant *k = &bar->constant[i];
+        if (linear && !ph_i_is_linear(k)) continue;
         PH_TRY(ph_i_json_put_number(list, path, k->name, k->bar, reasons,
                                     k->why ? k->why : "not estimated", err));
     }
@@ -71,7 +79,8 @@ ph_status ph_i_json_error_bar(const ph_error_bar *bar, json_t *quality, json_t *
     ph_status st = PH_OK;
     json_t *parts = NULL;
     if (!bar) return ph_i_json_put(quality, "error_bar", json_object(), err);
-    PH_TRY(put_list(bar, "error_bar", "quality.error_bar", quality, reasons, err));
+    PH_TRY(ph_i_json_error_list(bar, "quality.error_bar", false, quality, "error_bar",
+                                reasons, err));
     parts = json_object();
     PH_TRY(ph_i_json_put(quality, "error_parts", json_incref(parts), err));
     for (size_t i = 0; i < ph_nerror_parts; i++)

@@ -56,6 +56,12 @@ ph_status ph_i_json_failure(const ph_failure_path *path, json_t *effective,
  *  `cost` (error_bar_json.c). @param[in] bar NULL: an empty `error_bar` */
 ph_status ph_i_json_error_bar(const ph_error_bar *bar, json_t *quality, json_t *reasons,
                               ph_error *err);
+/** The bars alone: map[key] by constant. @param[in] linear only what is linear in the tensor */
+ph_status ph_i_json_error_list(const ph_error_bar *bar, const char *path, bool linear,
+                               json_t *map, const char *key, json_t *reasons,
+                               ph_error *err);
+/** Is a constant linear in the tensor: C_ij, isotropic.K and G? */
+bool ph_i_is_linear(const ph_error_constant *k);
 ph_status ph_i_json_error_cost(const ph_error_bar *bar, json_t *cost, ph_error *err);
 /** `effective.damage` (damage_json.c). */
 ph_status ph_i_json_damage(const ph_result *result, json_t *effective, json_t *reasons,

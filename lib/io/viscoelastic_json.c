@@ -106,6 +106,46 @@ out:
     return st;
 }
 
+/* Bars of what is linear in C(t), a column a constant, between both ends. */
+static ph_status put_error_curves(json_t *map, const ph_viscoelastic *v, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *columns = json_object(), *time = json_array();
+    PH_TRY(ph_i_json_put(columns, "time", json_incref(time), err));
+    for (int i = 1; i < v->nerror_bars - 1; i++)
+        PH_TRY(ph_i_json_add(time, ph_i_json_number(v->error_bars[i].time), err));
+    for (int k = 0; k < v->error_bars[0].bar.count; k++) {
+        const ph_error_constant *first = &v->error_bars[0].bar.constant[k];
+        if (!ph_i_is_linear(first) || first->why) continue;
+        json_t *list = json_array();
+        PH_TRY(ph_i_json_put(columns, first->name, list, err));
+        for (int i = 1; i < v->nerror_bars - 1; i++)
+            PH_TRY(ph_i_json_add(
+                list, ph_i_json_number(v->error_bars[i].bar.constant[k].bar), err));
+    }
+    PH_TRY(ph_i_json_put(map, "curves", json_incref(columns), err));
+out:
+    json_decref(columns);
+    json_decref(time);
+    return st;
+}
+
+static ph_status put_error_bars(json_t *map, const ph_viscoelastic *v, json_t *reasons,
+                                ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *bars = json_object();
+    const char *path = "effective.viscoelastic.error_bar.infinity";
+    PH_TRY(ph_i_json_put(map, "error_bar", json_incref(bars), err));
+    if (v->nerror_bars < 2) goto out;
+    PH_TRY(ph_i_json_error_list(&v->error_bars[v->nerror_bars - 1].bar, path, true, bars,
+                                "infinity", reasons, err));
+    PH_TRY(put_error_curves(bars, v, err));
+out:
+    json_decref(bars);
+    return st;
+}
+
 static ph_status put_block(json_t *map, const ph_viscoelastic *v,
                            const ph_relaxation_report *r, json_t *reasons, ph_error *err)
 {
@@ -130,6 +170,7 @@ static ph_status put_block(json_t *map, const ph_viscoelastic *v,
     if (r && r->curves) PH_TRY(put_table(map, "curves", r->curves, err));
     if (r && r->dynamic) PH_TRY(put_table(map, "dynamic", r->dynamic, err));
     if (r && r->response) PH_TRY(put_table(map, "response", r->response, err));
+    PH_TRY(put_error_bars(map, v, reasons, err));
     PH_TRY(put_route(map, v, err));
 out:
     return st;

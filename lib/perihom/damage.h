@@ -45,9 +45,10 @@ typedef struct ph_damage_step {
     double anisotropy;   /* of the stiffness, ph_anisotropy_index */
     double mean_damage;  /* over the nodes of the RVE: weight of broken bonds over all */
     ptrdiff_t broken_bonds, damaged_nodes;
-    ptrdiff_t mute_nodes; /* carry no stress: too few bonds are left */
-    int iterations;       /* of all loads */
-    double residual;      /* the worst of the loads */
+    ptrdiff_t mute_nodes;        /* carry no stress: too few bonds are left */
+    int iterations;              /* of all loads */
+    double residual;             /* the worst of the loads */
+    double stabilisation_energy; /* the worst of the loads: share of the energy */
 } ph_damage_step;
 
 /** What cracks did. Owns its arrays. */
@@ -57,6 +58,7 @@ typedef struct ph_damage {
     int nsteps;
     ph_damage_step *step;
     double *field; /* [cells of the RVE] damage of every node in the last step, 0 .. 1 */
+    struct ph_error_bar *error_bars; /* [nsteps] as in ph_result, or NULL */
 } ph_damage;
 
 PH_API void ph_damage_free(ph_damage **damage);

@@ -16,6 +16,7 @@ enum { PH_MAX_ERROR_PARTS = 12, PH_MAX_ERROR_CONSTANTS = 40 };
 typedef struct ph_error_evidence {
     const ph_result *result;  /* bounds, loads, residuals, energy of the stabilisation */
     const ph_sym4 *stiffness; /* what is judged; NULL: the stiffness of the result */
+    const double *stabilisation; /* its share of the energy; NULL: that of the result */
     /* the same on a grid whose spacing is `ratio` times as wide */
     const ph_sym4 *coarse;
     double ratio;

@@ -3,6 +3,7 @@
 #define PERIHOM_VISCOELASTIC_H
 
 #include <perihom/catalogue.h>
+#include <perihom/error_bar.h>
 #include <perihom/history.h>
 #include <perihom/homogenise.h>
 #include <perihom/prony.h>
@@ -56,6 +57,12 @@ typedef struct ph_dynamic_value {
     ph_sym4 storage, loss; /* Mandel; positive semidefinite */
 } ph_dynamic_value;
 
+/** Error bars of C*(t): time 0 is at once, INFINITY at last. */
+typedef struct ph_time_error_bar {
+    double time;
+    ph_error_bar bar;
+} ph_time_error_bar;
+
 /** Effective relaxation and what it cost. Owns its parts. */
 typedef struct ph_viscoelastic {
     const char *route; /* catalogue name */
@@ -79,6 +86,9 @@ typedef struct ph_viscoelastic {
     int ndynamic;
     ph_dynamic_value
         *dynamic; /* [ndynamic] at params->omega; `stepping`, `carson`: none */
+
+    int nerror_bars;
+    ph_time_error_bar *error_bars; /* [nerror_bars], as in ph_result, or NULL */
 
     int basis;          /* fields */
     size_t basis_bytes; /* of the fields and what is kept with them */

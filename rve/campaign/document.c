@@ -127,6 +127,48 @@ out:
     return st;
 }
 
+/* Relative to the mean: what sampling leaves, what the grid adds, and both in full, as in
+ * `until: {relative_error}`. Where nothing is known of the grid, that is said. */
+static ph_status put_error_bar(const ph_campaign *c, int p, int k,
+                               const ph_campaign_mean *x, json_t *const map[4],
+                               ph_error *err)
+{
+    ph_status st = PH_OK;
+    const char *name = c->output[k].name;
+    double size = fabs(x->mean.mean), sampling = x->mean.half_width / size;
+    const ph_discretisation *b = &x->bias;
+    double grid = b->n ? (fabs(b->estimate) + b->half_width) / size : (double)NAN;
+    const char *no = ph_campaign_no_grid(c, p, k);
+    PH_TRY(ph_i_json_put(map[0], name, ph_i_json_number(grid + sampling), err));
+    PH_TRY(ph_i_json_put(map[1], name, ph_i_json_number(sampling), err));
+    PH_TRY(ph_i_json_put(map[2], name, ph_i_json_number(grid), err));
+    if (!isfinite(grid))
+        PH_TRY(ph_i_json_put(map[3], name,
+                             ph_i_json_text(no ? no : "too few realisations"), err));
+out:
+    return st;
+}
+
+static ph_status put_error_bars(json_t *point, const ph_campaign *c, int p,
+                                const ph_campaign_summary *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    json_t *parts = json_object();
+    json_t *const map[] = {json_object(), json_object(), json_object(), json_object()};
+    PH_TRY(ph_i_json_put(point, "error_bar", json_incref(map[0]), err));
+    PH_TRY(ph_i_json_put(point, "error_parts", json_incref(parts), err));
+    PH_TRY(ph_i_json_put(parts, "sampling", json_incref(map[1]), err));
+    PH_TRY(ph_i_json_put(parts, "discretisation", json_incref(map[2]), err));
+    PH_TRY(ph_i_json_put(point, "error_reasons", json_incref(map[3]), err));
+    for (int k = 0; k < c->noutputs; k++)
+        PH_TRY(put_error_bar(c, p, k, &s->output[k], map, err));
+out:
+    json_decref(parts);
+    for (int i = 0; i < 4; i++)
+        json_decref(map[i]);
+    return st;
+}
+
 static ph_status put_point(json_t *list, const ph_campaign *c, int p,
                            const ph_campaign_summary *s, ph_error *err)
 {
@@ -144,6 +186,7 @@ static ph_status put_point(json_t *list, const ph_campaign *c, int p,
     PH_TRY(put_statistic(map, "std", c, s, deviation, err));
     PH_TRY(put_statistic(map, "standard_error", c, s, standard_error, err));
     PH_TRY(put_statistic(map, "half_width", c, s, half_width, err));
+    PH_TRY(put_error_bars(map, c, p, s, err));
     if (s->estimation) {
         PH_TRY(put_estimation(map, c, s->estimation, err));
         PH_TRY(put_discretisation(map, c, p, s, err));

@@ -46,7 +46,7 @@ $ json_get quality.hill_mandel < out; json_get solver.residual.0 < out; grep -c 
 $ perihom run relaxing.yaml -q -o again | grep '^quality'
 > quality     route reduced checks the error of the series instead
 
-$ for route in reduced carson; do perihom run relaxing.yaml --set viscoelastic.route=$route -q -o $route-at-once 2> said | grep '^  E1 ' | head -n 1; done | uniq | wc -l
+$ for route in reduced carson; do perihom run relaxing.yaml --set viscoelastic.route=$route -q -o $route-at-once 2> said | grep '^  E1 ' | head -n 1 | cut -c 1-20; done | uniq | wc -l
 > 1
 
 # The resolved case is a case of the same meaning.
