@@ -3,6 +3,7 @@
 #include "damage.h"
 #include "relaxation.h"
 #include "tools.h"
+#include "view_steps.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -23,7 +24,7 @@ static const option_spec options[] = {
     {'o', "output", "DIR", OPTION_TEXT, offsetof(view_options, folder),
      "beside the result", "where the pictures go"},
     {0, "field", "NAME", OPTION_TEXT, offsetof(view_options, field), "all",
-     "phases, stress12, strain11, displacement1, von_mises ..."},
+     "phases, damage, stress12, strain11, displacement1 ...; every step"},
     {0, "load", "N", OPTION_TEXT, offsetof(view_options, load), "all",
      "load case: its number 1, 2 ... or its strain 11, 22, 12 ..."},
     {0, "axis", "N", OPTION_INTEGER, offsetof(view_options, axis), "3",
@@ -87,8 +88,8 @@ static int find_file(const char *result, char *path, size_t size)
 typedef struct view {
     const view_options *options;
     const ph_fields_file *file;
-    const char *folder;
-    double *derived; /* [cells] */
+    const char *folder, *path; /* of the pictures, of the file */
+    double *derived;           /* [cells] */
     int drawn;
 } view;
 
@@ -206,6 +207,14 @@ static int draw_all(view *v, ph_error *err)
     for (int i = 0; i < v->file->nfields && st == PH_OK; i++)
         if (mask >> v->file->fields[i].load & 1u)
             st = draw_load(v, &v->file->fields[i], err);
+    const view_steps_request steps = {.path = v->path,
+                                      .folder = v->folder,
+                                      .field = o->field,
+                                      .loads = mask,
+                                      .axis = o->axis,
+                                      .quiet = o->quiet,
+                                      .drawn = &v->drawn};
+    if (st == PH_OK) st = view_steps(&steps, v->file, err);
     if (st != PH_OK) return talk_error(err);
     if (v->drawn > 0) return 0;
     talk("no field '%s'%s%s in this result", o->field, o->load ? " of load " : "",
@@ -231,7 +240,7 @@ static int draw_file(const view_options *o, const char *path, const char *folder
     bool fields = !o->field || strcmp(o->field, "phases") != 0;
     if (ph_read_fields(path, fields ? ~0u : 0, &file, &err) != PH_OK)
         return talk_error(&err);
-    view v = {.options = o, .file = file, .folder = folder};
+    view v = {.options = o, .file = file, .folder = folder, .path = path};
     int code = 5;
     v.derived = malloc((size_t)ph_grid_cells(&file->micro->grid) * sizeof(double));
     if (v.derived)

@@ -9,6 +9,11 @@
 void ph_damage_free(ph_damage **damage)
 {
     if (!damage || !*damage) return;
+    for (int i = 0; (*damage)->step && i < (*damage)->nsteps; i++) {
+        ph_damage_step *s = &(*damage)->step[i];
+        free(s->field);
+        ph_i_fields_free(s->nfields, s->fields);
+    }
     free((*damage)->step);
     free((*damage)->field);
     free((*damage)->error_bars);
@@ -158,10 +163,31 @@ static void record(const ph_run *r, ph_damage_step *s)
     }
 }
 
+/* The result has the fields of the last step; those before go to their steps. */
+static ph_status begin_fields(ph_run *r, ph_damage_step *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_result *res = r->result;
+    ptrdiff_t cells = ph_grid_cells(&res->grid);
+    r->keep_fields = r->problem->keep_fields;
+    if (!r->keep_fields) return PH_OK;
+    if (s != res->damage->step) {
+        s[-1].nfields = res->nfields;
+        s[-1].fields = res->fields;
+        res->nfields = 0;
+        res->fields = NULL;
+    }
+    PH_ALLOC(s->field, cells, "the damage field");
+    memcpy(s->field, res->damage->field, sizeof *s->field * (size_t)cells);
+out:
+    return st;
+}
+
 ph_status ph_i_damage_step(ph_run *r, ph_damage_step *s, bool apart, ph_error *err)
 {
     ph_status st = PH_OK;
     count_damage(r, s);
+    PH_TRY(begin_fields(r, s, err));
     if (apart) {
         r->result->stiffness = (ph_sym4){.n = r->map->ns};
         r->result->loads = ph_i_run_all_loads(r->result);
@@ -226,13 +252,10 @@ ph_status ph_i_run_damage(ph_run *r, ph_error *err)
     ph_status st = PH_OK;
     const ph_crack_sequence *q = r->problem->sequence;
     ph_sequence_kind kind = q ? q->kind : PH_SEQUENCE_NONE;
-    bool kept = r->keep_fields;
     PH_TRY(check_sequence(r->problem, err));
     PH_TRY(ph_i_damage_begin(r, kind, kind == PH_SEQUENCE_NONE ? 1 : q->nsteps, err));
-    for (int i = 0; i < r->result->damage->nsteps; i++) {
-        r->keep_fields = kept && i == r->result->damage->nsteps - 1;
+    for (int i = 0; i < r->result->damage->nsteps; i++)
         PH_TRY(take_step(r, i, err));
-    }
     ph_i_damage_measures(r->result);
 out:
     return st;

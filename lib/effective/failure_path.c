@@ -174,10 +174,13 @@ static ph_status keep_stiffness(ph_walk *w, double density, ph_error *err)
     ph_damage_step *s = &w->run->result->damage->step[w->stiffnesses++];
     s->value = w->load;
     s->density = density;
+    for (int i = 0, n = w->path->n; i < n; i++)
+        s->strain[i] =
+            w->unit.strain[i] * w->load * (i < (n == 3 ? 2 : 3) ? 1.0 : sqrt(2.0));
     return ph_i_damage_step(w->run, s, w->path->apart, err);
 }
 
-static ph_status walk_steps(ph_walk *w, bool keep_fields, ph_error *err)
+static ph_status walk_steps(ph_walk *w, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_loading *l = w->loading;
@@ -185,7 +188,6 @@ static ph_status walk_steps(ph_walk *w, bool keep_fields, ph_error *err)
     double density = cracks ? ph_cracks_density(cracks, &w->run->result->grid) : 0.0;
     int last = l->ntargets * l->steps;
     keep_step(w, 0);
-    w->run->keep_fields = false;
     if (wants_first(w->run->problem)) PH_TRY(keep_stiffness(w, density, err));
     for (int i = 1; i <= last; i++) {
         int t = (i - 1) / l->steps, k = (i - 1) % l->steps + 1;
@@ -194,7 +196,6 @@ static ph_status walk_steps(ph_walk *w, bool keep_fields, ph_error *err)
                            err));
         keep_step(w, i);
         if (!ph_i_wants_stiffness(l, i)) continue;
-        w->run->keep_fields = keep_fields && i == last;
         PH_TRY(keep_stiffness(w, density, err));
     }
 out:
@@ -235,11 +236,10 @@ ph_status ph_i_run_failure(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_walk w = {.run = r, .loading = r->problem->loading};
-    bool keep_fields = r->keep_fields;
     PH_TRY(ph_i_check_loading(r, err));
     PH_TRY(ph_i_damage_begin(r, PH_SEQUENCE_LOADING, stiffness_steps(r->problem), err));
     PH_TRY(start(&w, err));
-    PH_TRY(walk_steps(&w, keep_fields, err));
+    PH_TRY(walk_steps(&w, err));
     ph_i_damage_measures(r->result);
     w.path->toughness = w.controlled.external;
     double most = 0.0;

@@ -93,16 +93,21 @@ out:
     return st;
 }
 
+void ph_i_fields_free(int count, ph_fields *fields)
+{
+    for (int i = 0; i < count; i++) {
+        free(fields[i].displacement);
+        free(fields[i].strain);
+        free(fields[i].stress);
+    }
+    free(fields);
+}
+
 void ph_result_free(ph_result **result)
 {
     if (!result || !*result) return;
     ph_result *res = *result;
-    for (int i = 0; i < res->nfields; i++) {
-        free(res->fields[i].displacement);
-        free(res->fields[i].strain);
-        free(res->fields[i].stress);
-    }
-    free(res->fields);
+    ph_i_fields_free(res->nfields, res->fields);
     free(res->error_bar);
     ph_prony_free(&res->relaxation);
     ph_damage_free(&res->damage);

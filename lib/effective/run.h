@@ -103,6 +103,8 @@ void ph_i_run_solved_columns(ph_run *run);
  *  strain): there it is the strain. */
 bool ph_i_run_by_stress(const ph_run *run, int load);
 
+/** NULL-safe. */
+void ph_i_fields_free(int count, ph_fields *fields);
 /** Keep displacement, strain and stress of the load just solved, per unit of its Voigt
  *  component. */
 ph_status ph_i_run_keep_fields(ph_run *run, int load, const double *macro, ph_error *err);

@@ -1,31 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The fields file: microstructure and the fields of every load, HDF5 beside XDMF.
  * Ours is z fastest, XDMF is x fastest, so every array is transposed on its way out. */
-#include "io/fields.h"
-
 #include <perihom/output.h>
 #include <perihom/version.h>
 
 #include "io/draft.h"
+#include "io/fields_writer.h"
 #include "io/hdf5.h"
-#include "io/hdf5_sink.h"
 
 #include <math.h>
 #include <string.h>
 
-/* What the writing functions share. */
-typedef struct writer {
-    const char *path; /* for messages */
-    const ph_grid *grid;
-    hid_t file;
-    ph_i_hdf5_sink sink;
-    void *buffer; /* one array on its way out */
-} writer;
-
 /* One dataset, and whether the disk took it. */
-static ph_status put_array(writer *w, hid_t group, const char *name, hid_t type, int rank,
-                           const hsize_t *shape, ph_i_storage how, const void *data,
-                           ph_error *err)
+static ph_status put_array(ph_i_fields_writer *w, hid_t group, const char *name,
+                           hid_t type, int rank, const hsize_t *shape, ph_i_storage how,
+                           const void *data, ph_error *err)
 {
     ph_status st =
         ph_i_hdf5_put_array(group, name, type, rank, shape, how, data, w->path, err);
@@ -93,8 +82,9 @@ static void strain_row(int ns, const double *eps, int c, double row[3])
     }
 }
 
-static ph_status write_displacement(writer *w, hid_t group, const ph_fields *f,
-                                    const double *eps, bool at_nodes, ph_error *err)
+static ph_status write_displacement(ph_i_fields_writer *w, hid_t group,
+                                    const ph_fields *f, const double *eps, bool at_nodes,
+                                    ph_error *err)
 {
     hsize_t shape[4];
     ph_i_array_shape(w->grid, at_nodes, shape);
@@ -113,8 +103,8 @@ static ph_status write_displacement(writer *w, hid_t group, const ph_fields *f,
 }
 
 /* strain/11 ... or stress/11 ...: one array a component. */
-static ph_status write_components(writer *w, hid_t load, const char *name, int ns,
-                                  const double *value, ph_error *err)
+static ph_status write_components(ph_i_fields_writer *w, hid_t load, const char *name,
+                                  int ns, const double *value, ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = w->path;
@@ -133,28 +123,48 @@ out:
     return st;
 }
 
-static ph_status write_load(writer *w, hid_t loads, const ph_fields *f, bool at_nodes,
-                            ph_error *err)
+ph_status ph_i_write_field(ph_i_fields_writer *w, hid_t group, const ph_fields *f,
+                           bool at_nodes, ph_error *err)
+{
+    ph_status st = PH_OK;
+    double eps[6] = {0};
+    macro_strain(w->grid, f, eps);
+    PH_TRY(ph_i_hdf5_put_doubles(group, "macro_strain", f->ns, eps, w->path, err));
+    if (f->displacement) PH_TRY(write_displacement(w, group, f, eps, at_nodes, err));
+    if (f->strain) PH_TRY(write_components(w, group, "strain", f->ns, f->strain, err));
+    if (f->stress) PH_TRY(write_components(w, group, "stress", f->ns, f->stress, err));
+out:
+    return st;
+}
+
+ph_status ph_i_write_cells(ph_i_fields_writer *w, hid_t group, const char *name,
+                           const double *value, ph_error *err)
+{
+    hsize_t shape[3];
+    ph_i_array_shape(w->grid, 0, shape);
+    transpose_cells(w->grid, value, w->buffer);
+    return put_array(w, group, name, H5T_NATIVE_DOUBLE, 3, shape, PH_I_DEFLATED,
+                     w->buffer, err);
+}
+
+ph_status ph_i_write_load(ph_i_fields_writer *w, hid_t loads, const ph_fields *f,
+                          bool at_nodes, ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = w->path;
-    double eps[6] = {0};
     hid_t group = -1;
-    macro_strain(w->grid, f, eps);
     PH_HDF5(group = H5Gcreate2(loads, ph_i_voigt_name(f->ns, f->load), H5P_DEFAULT,
                                H5P_DEFAULT, H5P_DEFAULT),
             "write");
     PH_TRY(ph_i_hdf5_put_ints(group, "load", 1, &f->load, path, err));
-    PH_TRY(ph_i_hdf5_put_doubles(group, "macro_strain", f->ns, eps, path, err));
-    if (f->displacement) PH_TRY(write_displacement(w, group, f, eps, at_nodes, err));
-    if (f->strain) PH_TRY(write_components(w, group, "strain", f->ns, f->strain, err));
-    if (f->stress) PH_TRY(write_components(w, group, "stress", f->ns, f->stress, err));
+    PH_TRY(ph_i_write_field(w, group, f, at_nodes, err));
 out:
     if (group >= 0) H5Gclose(group);
     return st;
 }
 
-static ph_status write_loads(writer *w, const ph_result *result, ph_error *err)
+static ph_status write_loads(ph_i_fields_writer *w, const ph_result *result,
+                             ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = w->path;
@@ -168,13 +178,14 @@ static ph_status write_loads(writer *w, const ph_result *result, ph_error *err)
                                                                   : "lower cell corners",
                               path, err));
     for (int i = 0; i < result->nfields; i++)
-        PH_TRY(write_load(w, group, &result->fields[i], at_nodes, err));
+        PH_TRY(ph_i_write_load(w, group, &result->fields[i], at_nodes, err));
 out:
     if (group >= 0) H5Gclose(group);
     return st;
 }
 
-static ph_status write_phase(writer *w, const ph_microstructure *micro, ph_error *err)
+static ph_status write_phase(ph_i_fields_writer *w, const ph_microstructure *micro,
+                             ph_error *err)
 {
     const ph_grid *g = w->grid;
     const uint16_t *from = micro->phase;
@@ -189,7 +200,8 @@ static ph_status write_phase(writer *w, const ph_microstructure *micro, ph_error
                      err);
 }
 
-static ph_status write_materials(writer *w, const ph_microstructure *micro, ph_error *err)
+static ph_status write_materials(ph_i_fields_writer *w, const ph_microstructure *micro,
+                                 ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = w->path;
@@ -220,7 +232,8 @@ out:
     return st;
 }
 
-static ph_status write_cuts(writer *w, const ph_microstructure *micro, ph_error *err)
+static ph_status write_cuts(ph_i_fields_writer *w, const ph_microstructure *micro,
+                            ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = w->path;
@@ -247,7 +260,7 @@ out:
     return st;
 }
 
-static ph_status write_head(writer *w, const ph_case *c, ph_error *err)
+static ph_status write_head(ph_i_fields_writer *w, const ph_case *c, ph_error *err)
 {
     const ph_grid *g = w->grid;
     const int nodes[3] = {(int)g->n[0], (int)g->n[1], (int)g->n[2]};
@@ -279,10 +292,11 @@ static size_t buffer_length(const ph_grid *g, const ph_result *result)
         cells *= (size_t)g->n[a];
         nodes *= (size_t)g->n[a] + (a < 2 || g->kinematics == PH_SPACE);
     }
-    return result && result->nfields > 0 ? 3 * nodes : cells;
+    bool fields = result && (result->nfields > 0 || ph_i_has_steps(result));
+    return fields ? 3 * nodes : cells;
 }
 
-static ph_status write_all(writer *w, const ph_microstructure *micro,
+static ph_status write_all(ph_i_fields_writer *w, const ph_microstructure *micro,
                            const ph_result *result, const ph_case *c, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -291,6 +305,7 @@ static ph_status write_all(writer *w, const ph_microstructure *micro,
     PH_TRY(write_materials(w, micro, err));
     PH_TRY(write_cuts(w, micro, err));
     if (result && result->nfields > 0) PH_TRY(write_loads(w, result, err));
+    if (ph_i_has_steps(result)) PH_TRY(ph_i_write_steps(w, result, err));
 out:
     return st;
 }
@@ -301,7 +316,7 @@ static ph_status write_hdf5(ph_i_draft *draft, const char *path,
                             const ph_case *c, ph_error *err)
 {
     ph_status st = PH_OK;
-    writer w = {.path = path, .grid = &micro->grid, .file = -1};
+    ph_i_fields_writer w = {.path = path, .grid = &micro->grid, .file = -1};
     double *buffer = NULL;
     hid_t access = -1;
     ph_i_hdf5_quiet quiet;
@@ -337,7 +352,8 @@ static ph_status check_input(const char *base, const ph_microstructure *micro,
              "no name or no microstructure to write");
     PH_CHECK(strlen(base) < PH_I_PATH - 8, PH_EIO, "cannot write '%.100s...': %s", base,
              "the path is too long");
-    for (int a = 0; result && result->nfields > 0 && a < 3; a++)
+    bool fields = result && (result->nfields > 0 || ph_i_has_steps(result));
+    for (int a = 0; fields && a < 3; a++)
         PH_CHECK(micro->grid.n[a] == result->grid.n[a], PH_EINVAL,
                  "the result has %td cells along axis %d, the microstructure %td",
                  result->grid.n[a], a + 1, micro->grid.n[a]);

@@ -40,6 +40,15 @@ typedef struct ph_i_cut_row {
 ph_status ph_i_material_type(hid_t *out, const char *path, ph_error *err);
 ph_status ph_i_cut_type(hid_t *out, const char *path, ph_error *err);
 
+/** Are there steps of damage with fields, and of step `number`: its name in /steps, its value
+ *  (number where it has none), whether it has fields at its load, and those of unit loads. */
+bool ph_i_has_steps(const ph_result *result);
+#define PH_I_STEP_NAME "%04d"
+double ph_i_step_value(const ph_result *result, int number);
+bool ph_i_step_is_loaded(const ph_result *result, int number);
+bool ph_i_step_has_loads(const ph_result *result, int number, const ph_fields **fields,
+                         int *count);
+
 /** The XDMF that describes `h5_name`, a file in the same folder; malloc'd. */
 ph_status ph_i_xdmf_text(const char *h5_name, const ph_microstructure *micro,
                          const ph_result *result, const ph_case *c, char **text,

@@ -12,15 +12,29 @@ typedef struct reader {
     double *buffer;
 } reader;
 
+static void free_fields(int count, ph_fields *fields)
+{
+    for (int i = 0; i < count; i++) {
+        free(fields[i].displacement);
+        free(fields[i].strain);
+        free(fields[i].stress);
+    }
+    free(fields);
+}
+
+void ph_fields_step_free(ph_fields_step **step)
+{
+    if (!step || !*step) return;
+    free((*step)->damage);
+    free_fields((*step)->nfields, (*step)->fields);
+    free(*step);
+    *step = NULL;
+}
+
 void ph_fields_file_free(ph_fields_file **file)
 {
     if (!file || !*file) return;
-    for (int i = 0; i < (*file)->nfields; i++) {
-        free((*file)->fields[i].displacement);
-        free((*file)->fields[i].strain);
-        free((*file)->fields[i].stress);
-    }
-    free((*file)->fields);
+    free_fields((*file)->nfields, (*file)->fields);
     ph_microstructure_free(&(*file)->micro);
     free(*file);
     *file = NULL;
@@ -237,25 +251,67 @@ out:
     return st;
 }
 
-static ph_status read_loads(reader *r, unsigned loads, ph_fields_file *out, ph_error *err)
+/* Loads in the group `where`, those that are there as bits of *there. */
+static ph_status read_some(reader *r, const char *where, unsigned loads, int extra,
+                           unsigned *there, int *count, ph_fields **fields, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int ns = ph_strains(r->grid.kinematics);
+    char name[64];
+    PH_ALLOC(*fields, ns, "the loads");
+    for (int a = 0; a < ns; a++) {
+        snprintf(name, sizeof name, "%s/%s", where, ph_i_voigt_name(ns, a));
+        if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0) continue;
+        *there |= 1u << a;
+        if (!(loads >> a & 1u)) continue;
+        PH_TRY(read_load(r, name, a, extra, &(*fields)[(*count)++], err));
+    }
+out:
+    return st;
+}
+
+/* Whether displacement is on the closed mesh; of a file without loads it does not matter. */
+static ph_status read_extra(reader *r, int *extra, ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = r->path;
-    int ns = ph_strains(r->grid.kinematics);
-    char at[64], name[32];
+    char at[64];
     hid_t group = -1;
+    *extra = 0;
     if (H5Lexists(r->file, "loads", H5P_DEFAULT) <= 0) goto out;
     PH_HDF5(group = H5Gopen2(r->file, "loads", H5P_DEFAULT), "read");
     PH_TRY(ph_i_hdf5_get_text(group, "displacement_at", at, sizeof at, path, err));
-    int extra = strcmp(at, "nodes") == 0;
-    PH_ALLOC(out->fields, ns, "the loads");
-    for (int a = 0; a < ns; a++) {
-        snprintf(name, sizeof name, "loads/%s", ph_i_voigt_name(ns, a));
-        if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0) continue;
-        out->loads |= 1u << a;
-        if (!(loads >> a & 1u)) continue;
-        PH_TRY(read_load(r, name, a, extra, &out->fields[out->nfields++], err));
-    }
+    *extra = strcmp(at, "nodes") == 0;
+out:
+    if (group >= 0) H5Gclose(group);
+    return st;
+}
+
+static ph_status read_loads(reader *r, unsigned loads, ph_fields_file *out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int extra;
+    if (H5Lexists(r->file, "loads", H5P_DEFAULT) <= 0) return PH_OK;
+    PH_TRY(read_extra(r, &extra, err));
+    PH_TRY(read_some(r, "loads", loads, extra, &out->loads, &out->nfields, &out->fields,
+                     err));
+out:
+    return st;
+}
+
+static ph_status read_step_count(reader *r, ph_fields_file *out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const char *path = r->path;
+    hid_t group = -1;
+    if (H5Lexists(r->file, "steps", H5P_DEFAULT) <= 0) return PH_OK;
+    PH_HDF5(group = H5Gopen2(r->file, "steps", H5P_DEFAULT), "read");
+    PH_TRY(ph_i_hdf5_get_attribute(group, "count", H5T_NATIVE_INT, 1, &out->nsteps, path,
+                                   err));
+    PH_TRY(ph_i_hdf5_get_text(group, "value_is", out->step_value, sizeof out->step_value,
+                              path, err));
+    PH_CHECK(out->nsteps >= 0 && out->nsteps < 10000000, PH_EINVAL,
+             "'%.300s': %d steps are not admissible", path, out->nsteps);
 out:
     if (group >= 0) H5Gclose(group);
     return st;
@@ -281,6 +337,7 @@ static ph_status read_all(reader *r, unsigned loads, ph_fields_file *out, ph_err
     PH_TRY(read_cuts(r, out->micro, err));
     PH_TRY(ph_microstructure_check(out->micro, err));
     PH_TRY(read_loads(r, loads, out, err));
+    PH_TRY(read_step_count(r, out, err));
 out:
     return st;
 }
@@ -303,6 +360,81 @@ out:
     if (r.file >= 0) H5Fclose(r.file);
     ph_i_hdf5_end(&quiet);
     ph_fields_file_free(&made);
+    free(r.buffer);
+    return st;
+}
+
+/* ---- a step ---- */
+
+static ph_status read_damage(reader *r, hid_t group, double **damage, ph_error *err)
+{
+    ph_status st = PH_OK;
+    hsize_t shape[3];
+    ph_i_array_shape(&r->grid, 0, shape);
+    PH_ALLOC(*damage, ph_grid_cells(&r->grid), "the damage");
+    PH_TRY(ph_i_hdf5_get_array(group, "damage", H5T_NATIVE_DOUBLE, 3, shape, r->buffer,
+                               r->path, err));
+    untranspose(&r->grid, 0, 1, 1, r->buffer, *damage);
+out:
+    return st;
+}
+
+static ph_status read_step(reader *r, int step, unsigned loads, ph_fields_step *out,
+                           ph_error *err)
+{
+    ph_status st = PH_OK;
+    const char *path = r->path;
+    char name[32], where[48];
+    unsigned there = 0;
+    int extra;
+    hid_t group = -1;
+    snprintf(name, sizeof name, "steps/" PH_I_STEP_NAME, step);
+    snprintf(where, sizeof where, "%s/loads", name);
+    PH_CHECK(H5Lexists(r->file, "steps", H5P_DEFAULT) > 0 &&
+                 H5Lexists(r->file, name, H5P_DEFAULT) > 0,
+             PH_EINVAL, "'%.300s' has no step %d", path, step);
+    PH_HDF5(group = H5Gopen2(r->file, name, H5P_DEFAULT), "read");
+    PH_TRY(ph_i_hdf5_get_attribute(group, "value", H5T_NATIVE_DOUBLE, 1, &out->value,
+                                   path, err));
+    PH_TRY(read_damage(r, group, &out->damage, err));
+    if (!loads) goto out;
+    PH_TRY(read_extra(r, &extra, err));
+    if (H5Lexists(group, "loads", H5P_DEFAULT) > 0)
+        PH_TRY(
+            read_some(r, where, loads, extra, &there, &out->nfields, &out->fields, err));
+    else if (H5Lexists(group, "displacement", H5P_DEFAULT) > 0) {
+        PH_ALLOC(out->fields, 1, "the fields");
+        out->nfields = 1;
+        PH_TRY(read_load(r, name, -1, extra, out->fields, err));
+    }
+out:
+    if (group >= 0) H5Gclose(group);
+    return st;
+}
+
+ph_status ph_read_fields_step(const char *path, const ph_grid *grid, int step,
+                              unsigned loads, ph_fields_step **out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    reader r = {.path = path, .file = -1};
+    ph_fields_step *made = NULL;
+    size_t nodes = 3;
+    ph_i_hdf5_quiet quiet;
+    PH_GIVEN(path && grid && out);
+    r.grid = *grid;
+    ph_i_hdf5_begin(&quiet);
+    for (int a = 0; a < 3; a++)
+        nodes *= (size_t)grid->n[a] + 1;
+    PH_ALLOC(made, 1, "a step of the fields file");
+    PH_ALLOC(r.buffer, nodes, "the fields on their way in");
+    PH_HDF5(r.file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), "read");
+    PH_TRY(read_step(&r, step, loads, made, err));
+    *out = made;
+    made = NULL;
+out:
+    if (r.file >= 0) H5Fclose(r.file);
+    ph_i_hdf5_end(&quiet);
+    ph_fields_step_free(&made);
     free(r.buffer);
     return st;
 }

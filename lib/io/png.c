@@ -213,8 +213,23 @@ static void draw_range(page *p, const slice *s, int tall, const scale *c)
     ph_i_text(&p->picture, x, y, TEXT, text, black);
 }
 
-ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value,
-                       int axis, const char *title, ph_error *err)
+static void fix_range(scale *c, double low, double high)
+{
+    c->from = low;
+    c->to = high;
+    c->diverging = low < 0 && high > 0 && fmin(-low, high) > 0.2 * fmax(-low, high);
+    if (c->diverging) {
+        c->to = fmax(-low, high);
+        c->from = -c->to;
+    }
+    for (int k = 0; k < 256; k++)
+        c->table[k] =
+            c->diverging ? ph_i_diverging(k / 255.0) : ph_i_sequential(k / 255.0);
+}
+
+static ph_status draw_scalar(const char *path, const ph_grid *grid, const double *value,
+                             int axis, const char *title, const double *range,
+                             ph_error *err)
 {
     enum { TALL = 160 };
     ph_status st = PH_OK;
@@ -223,6 +238,7 @@ ph_status ph_write_png(const char *path, const ph_grid *grid, const double *valu
     PH_CHECK(path && grid && value, PH_EINVAL, "no path, grid or field for a picture");
     PH_TRY(slice_init(&s, grid, axis, err));
     scale c = scale_of(&s, value);
+    if (range) fix_range(&c, range[0], range[1]);
     int beside = BAR_GAP + BAR + 12 + 10 * PH_I_LETTER_WIDTH * TEXT;
     PH_TRY(page_new(&p, &s, beside, TALL, title, err));
     for (ptrdiff_t i = 0; i < grid->n[s.right]; i++)
@@ -237,6 +253,25 @@ ph_status ph_write_png(const char *path, const ph_grid *grid, const double *valu
     PH_TRY(ph_i_picture_write(&p.picture, path, err));
 out:
     ph_i_picture_free(&p.picture);
+    return st;
+}
+
+ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value,
+                       int axis, const char *title, ph_error *err)
+{
+    return draw_scalar(path, grid, value, axis, title, NULL, err);
+}
+
+ph_status ph_write_png_range(const char *path, const ph_grid *grid, const double *value,
+                             int axis, const char *title, double low, double high,
+                             ph_error *err)
+{
+    ph_status st = PH_OK;
+    const double range[2] = {low, high};
+    PH_CHECK(isfinite(low) && isfinite(high) && high > low, PH_EINVAL,
+             "a scale from %g to %g", low, high);
+    PH_TRY(draw_scalar(path, grid, value, axis, title, range, err));
+out:
     return st;
 }
 

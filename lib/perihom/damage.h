@@ -49,6 +49,12 @@ typedef struct ph_damage_step {
     int iterations;              /* of all loads */
     double residual;             /* the worst of the loads */
     double stabilisation_energy; /* the worst of the loads: share of the energy */
+    double strain[6]; /* of a loading: macro strain, Voigt, engineering shear */
+    /* Where fields are kept: damage of every node of the RVE [cells], and those of the loads
+     * as of ph_result, which itself has those of the last step. Else NULL */
+    double *field;
+    int nfields;
+    struct ph_fields *fields;
 } ph_damage_step;
 
 /** What cracks did. Owns its arrays. */

@@ -104,7 +104,9 @@ typedef struct ph_fields_file {
     char unit_length[32], unit_stress[32];
     char git[64]; /* revision that wrote the file */
     ph_microstructure *micro;
-    unsigned loads; /* bit a: the file has the fields of load a */
+    unsigned loads;      /* bit a: the file has the fields of load a */
+    int nsteps;          /* of damage, see ph_read_fields_step */
+    char step_value[16]; /* what the value of a step is: "load", "crack_length" ... */
     int nfields;
     ph_fields *fields; /* [nfields], those that were asked for */
 } ph_fields_file;
@@ -116,6 +118,21 @@ PH_API ph_status ph_read_fields(const char *path, unsigned loads, ph_fields_file
                                 ph_error *err);
 PH_API void ph_fields_file_free(ph_fields_file **file);
 
+/** One step of damage. Owns its arrays. */
+typedef struct ph_fields_step {
+    double value;   /* load, crack length, density; else the number of the step */
+    double *damage; /* [cells] */
+    int nfields;
+    ph_fields *fields; /* those asked for; of a loading the one at its load, `load` -1 */
+} ph_fields_step;
+
+/** Read a step of a fields file. @param[in] grid of the file @param[in] step from 0
+ *  @param[in] loads bit a: the fields of load a; 0: the damage alone
+ *  @return as ph_read_fields; PH_EINVAL: no such step. Tested: tests/io/test_fields.c */
+PH_API ph_status ph_read_fields_step(const char *path, const ph_grid *grid, int step,
+                                     unsigned loads, ph_fields_step **out, ph_error *err);
+PH_API void ph_fields_step_free(ph_fields_step **step);
+
 /** A picture of a scalar cell field: 2D as it is, 3D the slice through the middle of
  *  `axis` (1, 2 or 3). Colour bar with its range, title on top. Of the two axes that are
  *  left the first points to the right, the second up. Dark to bright is low to high with
@@ -124,6 +141,11 @@ PH_API void ph_fields_file_free(ph_fields_file **file);
  *  @return PH_OK; PH_EINVAL; PH_EIO; PH_ENOMEM. Tested: tests/io/test_png.c */
 PH_API ph_status ph_write_png(const char *path, const ph_grid *grid, const double *value,
                               int axis, const char *title, ph_error *err);
+/** The same with colours from `low` to `high` > low, so that pictures of a series compare;
+ *  values beyond have the colour of the end. */
+PH_API ph_status ph_write_png_range(const char *path, const ph_grid *grid,
+                                    const double *value, int axis, const char *title,
+                                    double low, double high, ph_error *err);
 /** A picture of the phases, one colour a material with a legend; cut cells are mixed. */
 PH_API ph_status ph_write_phases_png(const char *path, const ph_microstructure *micro,
                                      int axis, const char *title, ph_error *err);

@@ -153,3 +153,19 @@ $ json_get effective.damage.steps.2.anisotropy_index < cracked-results/result.js
 $ perihom view cracked-results
 > cracked-results/damage-moduli.png
 > cracked-results/damage-anisotropy.png
+
+# With fields, a picture of every step, one scale for all.
+$ perihom run cracked.yaml -q -o steps --set output.fields=true >/dev/null; perihom view steps --field displacement2 --load 22
+> steps/displacement2-load22.png
+> steps/displacement2-load22_0000.png
+> steps/displacement2-load22_0001.png
+> steps/displacement2-load22_0002.png
+
+$ perihom view steps --field damage
+> steps/damage_0000.png
+> steps/damage_0001.png
+> steps/damage_0002.png
+
+$ perihom view steps --field dammage
+! perihom*no field 'dammage'*
+? 3

@@ -242,6 +242,109 @@ static void test_xdmf_is_well_formed(void **state)
     CHECK_END();
 }
 
+/* A cracked sheet with all fields: cracks that grow, or a loading that breaks bonds. */
+static ph_result *cracked(bool loading, const char *constraint, ph_microstructure **micro)
+{
+    static const double lengths[] = {0.2, 0.5}, to[] = {0.09};
+    static const bool grows = true;
+    ph_error err = PH_ERROR_INIT;
+    ph_grid g;
+    ph_material m;
+    ph_cracks c = {0};
+    ph_result *r = NULL;
+    double v[2][3] = {{0.3, 0.45, 0}, {0.7, 0.55, 0}};
+    CHECK_OK(ph_grid_init(&g, PH_PLANE_STRESS, (ptrdiff_t[]){12, 10}, (double[]){1.2, 1},
+                          &err));
+    CHECK_OK(ph_material_isotropic("m", 1.0, 1.0 / 3, &m, &err));
+    CHECK_OK(ph_microstructure_new(&g, 1, &m, micro, &err));
+    CHECK_OK(ph_cracks_add_line(&c, 2, (const double(*)[3])v, &err));
+    const ph_failure_rule rule = {
+        .given = true, .value = (double)NAN, .fracture_energy = 1e-3, .weibull = 4};
+    const ph_failure f = {.material = &rule};
+    const ph_loading l = {.strain = {0.3, 1, 0.2},
+                          .ntargets = 1,
+                          .to = to,
+                          .steps = 4,
+                          .window = 0.5,
+                          .stiffness_every = 2};
+    const ph_crack_sequence q = {
+        .kind = PH_SEQUENCE_GROWTH, .nsteps = 2, .value = lengths, .grows = &grows};
+    const ph_problem p = {.micro = *micro,
+                          .model = {.horizon = 2},
+                          .constraint = {.kind = constraint},
+                          .solver = {.tolerance = 1e-10},
+                          .cracks = &c,
+                          .sequence = loading ? NULL : &q,
+                          .failure = loading ? &f : NULL,
+                          .loading = loading ? &l : NULL,
+                          .keep_fields = true};
+    CHECK_OK(ph_homogenise(&p, NULL, &r, &err));
+    ph_cracks_free(&c);
+    return r;
+}
+
+/* Steps of damage: what is in the file is what was solved, the last step is that of the
+ * result; under a loading the mean stress of its fields is C times its strain. One temporal
+ * collection describes them. */
+static void test_steps(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        ph_error err = PH_ERROR_INIT;
+        ph_microstructure *micro = NULL;
+        ph_fields_file *file = NULL;
+        ph_fields_step *step = NULL;
+        ph_result *r = cracked(k > 0, k == 2 ? "uniform_traction" : "periodic", &micro);
+        size_t length = 0;
+        if (!r) break;
+        ptrdiff_t cells = ph_grid_cells(&r->grid);
+        CHECK_OK(ph_write_fields(in_folder("s"), micro, r, NULL, &err));
+        CHECK_OK(ph_read_fields(in_folder("s.h5"), 0, &file, &err));
+        CHECK(file && file->nsteps == r->damage->nsteps && file->loads == 7);
+        CHECK(file && strcmp(file->step_value, k ? "load" : "crack_length") == 0);
+        for (int i = 0; i < r->damage->nsteps; i++) {
+            const ph_damage_step *s = &r->damage->step[i];
+            bool last = i == r->damage->nsteps - 1;
+            double voigt[36], mean = 0;
+            CHECK_OK(
+                ph_read_fields_step(in_folder("s.h5"), &r->grid, i, ~0u, &step, &err));
+            if (!step || step->nfields != (k ? 1 : 3)) break;
+            CHECK(step->value == s->value);
+            CHECK(memcmp(step->damage, s->field, sizeof(double) * (size_t)cells) == 0);
+            CHECK(step->nfields == (k ? 1 : 3) && (last ? r->nfields : s->nfields) == 3);
+            const ph_fields *f = last ? r->fields : s->fields;
+            for (int a = 0; k == 0 && a < 3 && a < step->nfields; a++)
+                check_same_fields(&r->grid, &f[a], &step->fields[a]);
+            ph_sym4_to_voigt(&s->stiffness, true, voigt);
+            for (int a = 0; k > 0 && a < 3; a++) {
+                double want = 0;
+                mean = 0;
+                for (ptrdiff_t x = 0; x < cells; x++)
+                    mean += step->fields[0].stress[a * cells + x] / (double)cells;
+                for (int b = 0; b < 3; b++)
+                    want += voigt[3 * a + b] * s->strain[b];
+                CHECK_ABS(mean, want, 1e-8);
+            }
+            ph_fields_step_free(&step);
+        }
+        CHECK(memcmp(r->damage->step[r->damage->nsteps - 1].field, r->damage->field,
+                     sizeof(double) * (size_t)cells) == 0);
+        CHECK(ph_read_fields_step(in_folder("s.h5"), &r->grid, r->damage->nsteps, 0,
+                                  &step, NULL) == PH_EINVAL &&
+              !step);
+        char *text = sample_read(in_folder("s.xdmf"), &length);
+        assert_non_null(text);
+        check_well_formed(text);
+        CHECK(strstr(text, "CollectionType=\"Temporal\""));
+        CHECK(strstr(text, "s.h5:/steps/0001/damage<"));
+        CHECK(!strstr(text, k ? "s.h5:/steps/0000/loads/22/displacement<"
+                              : "s.h5:/steps/0000/displacement<"));
+        free(text);
+        free_all(&micro, &r, &file);
+    }
+    CHECK_END();
+}
+
 static void test_microstructure_alone(void **state)
 {
     (void)state;
@@ -354,6 +457,7 @@ int main(void)
         cmocka_unit_test(test_corner_displacement_is_continued),
         cmocka_unit_test(test_macro_strain_from_the_mean),
         cmocka_unit_test(test_xdmf_is_well_formed),
+        cmocka_unit_test(test_steps),
         cmocka_unit_test(test_microstructure_alone),
         cmocka_unit_test(test_failures_leave_nothing),
         cmocka_unit_test(test_full_disk_at_every_size),

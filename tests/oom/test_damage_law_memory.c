@@ -3,21 +3,24 @@
 #include <perihom.h>
 
 #include "countdown.h"
+#include "io/sample.h"
 
 #include <jansson.h>
 
 #include <math.h>
 
 typedef struct world {
+    ph_microstructure *micro;
     ph_result *result;
     ph_damage_law *law, *out;
     ph_effective *effective;
     ph_point_material *point;
-    char *json, *text;
+    ph_fields_step *step;
+    char *json, *text, h5[300], base[300];
 } world;
 
 /* A strip with a scattered strength, pulled until some of it is broken. */
-static ph_result *broken_strip(void)
+static ph_result *broken_strip(ph_microstructure **out)
 {
     static const double to[] = {0.5};
     ph_error err = PH_ERROR_INIT;
@@ -43,16 +46,17 @@ static ph_result *broken_strip(void)
                           .model = {.kind = "bond", .horizon = 1.5},
                           .solver = {.tolerance = 1e-6},
                           .failure = &f,
-                          .loading = &l};
+                          .loading = &l,
+                          .keep_fields = true};
     CHECK_OK(ph_homogenise(&p, NULL, &r, &err));
-    ph_microstructure_free(&micro);
+    *out = micro;
     return r;
 }
 
 static bool untouched(const void *user)
 {
     const world *w = user;
-    return !w->out && !w->effective && !w->point && !w->text;
+    return !w->out && !w->effective && !w->point && !w->text && !w->step;
 }
 
 static void done(void *user)
@@ -61,6 +65,7 @@ static void done(void *user)
     ph_damage_law_free(&w->out);
     ph_effective_free(&w->effective);
     ph_point_material_free(&w->point);
+    ph_fields_step_free(&w->step);
     free(w->text);
     w->text = NULL;
 }
@@ -108,6 +113,18 @@ static ph_status point(void *user, ph_error *err)
     return ph_point_material_new(&e, &w->point, err);
 }
 
+static ph_status read_step(void *user, ph_error *err)
+{
+    world *w = user;
+    return ph_read_fields_step(w->h5, &w->result->grid, 1, ~0u, &w->step, err);
+}
+
+static ph_status write_steps(void *user, ph_error *err)
+{
+    world *w = user;
+    return ph_write_fields(w->base, w->micro, w->result, NULL, err);
+}
+
 static void every_allocation_fails(void **state)
 {
     (void)state;
@@ -120,9 +137,16 @@ static void every_allocation_fails(void **state)
                  {"ph_damage_law_to_csv", to_csv},
                  {"ph_result_to_json", to_json},
                  {"ph_effective_parse", of_json},
-                 {"ph_point_material_new", point}};
+                 {"ph_point_material_new", point},
+                 {"ph_write_fields", write_steps},
+                 {"ph_read_fields_step", read_step}};
     ph_error err = PH_ERROR_INIT;
-    world w = {.result = broken_strip()};
+    char folder[256];
+    world w = {.micro = NULL};
+    w.result = broken_strip(&w.micro);
+    sample_folder(folder);
+    snprintf(w.base, sizeof w.base, "%s/f", folder);
+    snprintf(w.h5, sizeof w.h5, "%s/f.h5", folder);
     json_set_alloc_funcs(countdown_malloc, countdown_free);
     if (w.result) {
         CHECK_OK(ph_damage_law_from_result(w.result, &w.law, &err));
@@ -138,6 +162,8 @@ static void every_allocation_fails(void **state)
     }
     ph_damage_law_free(&w.law);
     ph_result_free(&w.result);
+    ph_microstructure_free(&w.micro);
+    sample_remove_folder(folder);
     free(w.json);
     CHECK_END();
 }
