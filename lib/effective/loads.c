@@ -105,14 +105,16 @@ out:
     return st;
 }
 
-/* Above this contrast an average of stress is not good enough: with a residual r_b it is off
- * by u_a . r_b, the solver's error times the contrast. The energy of two fields,
- * <e_a : C : e_b> = <sigma_b>_a - u_a . r_b, is off by the product of their errors only. */
-static const double second_order_contrast = 1e3;
+/* Above this contrast, or this tolerance, an average of stress is not good enough: with a
+ * residual r_b it is off by u_a . r_b, the solver's error times the contrast. The energy of
+ * two fields, <e_a : C : e_b> = <sigma_b>_a - u_a . r_b, is off by the product of their
+ * errors only. */
+static const double second_order_contrast = 1e3, second_order_tolerance = 1e-4;
 
 bool ph_i_run_second_order(const ph_run *r)
 {
-    return (r->map->contrast > second_order_contrast || r->broken) &&
+    return (r->map->contrast > second_order_contrast || r->broken ||
+            (tolerance_of(r) > second_order_tolerance && !r->problem->nconstants)) &&
            !r->constraint->by_stress && !(r->op && r->op->bonds) &&
            (!r->problem->loads || r->problem->loads == ph_i_run_all_loads(r->result));
 }

@@ -87,6 +87,27 @@ static void test_hidden_error(void **state)
     CHECK_END();
 }
 
+/* A loose tolerance t costs its square only, in every entry: the energy that is left is at most
+ * the condition number, here the contrast 25, times t^2 of that of the fluctuation, which is
+ * at most the stiffness. From averages of stress the couplings would be off by t. */
+static void test_loose_tolerance(void **state)
+{
+    (void)state;
+    uint64_t seed = 7;
+    ph_material material[2] = {solid(1), solid(25)};
+    ph_microstructure *m =
+        voxel_cell(box_grid(PH_PLANE_STRAIN, 24, 24, 1, 1, 1, 1), 2, material, &seed);
+    ph_problem p = {.micro = m, .solver.tolerance = 1e-10};
+    ph_sym4 tight = stiffness_of(&p);
+    for (double t = 1e-1; t > 5e-4; t *= 0.1) {
+        p.solver.tolerance = t;
+        ph_sym4 loose = stiffness_of(&p);
+        CHECK(difference(&loose, &tight) < 25 * t * t);
+    }
+    ph_microstructure_free(&m);
+    CHECK_END();
+}
+
 /* Poisson ratios from -0.9 to 0.499999 of matrix, inclusion or both. Near 1/2 the shear
  * moduli tend to a limit (no locking): 0.499 and 0.499999 differ by 1 % of it at most. */
 static void test_poisson(void **state)
@@ -258,10 +279,14 @@ static void test_spacing(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_contrast), cmocka_unit_test(test_hidden_error),
-        cmocka_unit_test(test_poisson),  cmocka_unit_test(test_grids),
-        cmocka_unit_test(test_horizons), cmocka_unit_test(test_small_inclusions),
-        cmocka_unit_test(test_voids),    cmocka_unit_test(test_spacing)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_contrast),
+                                       cmocka_unit_test(test_hidden_error),
+                                       cmocka_unit_test(test_loose_tolerance),
+                                       cmocka_unit_test(test_poisson),
+                                       cmocka_unit_test(test_grids),
+                                       cmocka_unit_test(test_horizons),
+                                       cmocka_unit_test(test_small_inclusions),
+                                       cmocka_unit_test(test_voids),
+                                       cmocka_unit_test(test_spacing)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
