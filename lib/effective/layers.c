@@ -120,7 +120,7 @@ bool ph_i_run_closed_form(const ph_run *r, ph_sym4 *c, char *why)
 {
     if (wants_equations(r)) return false;
     if (varies_along(r, -1)) {
-        *c = r->result->voigt;
+        *c = sym4_at(r->map, 0); /* not the mean of the phases: cells may be mixtures */
         snprintf(why, 64, "the cell is homogeneous");
         return true;
     }
