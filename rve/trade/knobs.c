@@ -25,6 +25,11 @@ static const char *not_for_bond(const ph_case *c)
     return has_model(c, "bond") ? "does not belong to model bond" : NULL;
 }
 
+static const char *tips_refuse(const ph_case *c)
+{
+    return c->ncracks > 0 ? NULL : "there are no cracks";
+}
+
 static const char *always(const ph_case *c)
 {
     (void)c;
@@ -64,6 +69,8 @@ static const char *const tolerance[] = {"solver.tolerance=1e-2", "solver.toleran
                                         "solver.tolerance=1e-8", NULL};
 static const char *const model[] = {"model.kind=nosb", "model.kind=local",
                                     "model.kind=bond", NULL};
+static const char *const crack_tips[] = {"model.crack_tips=0", "model.crack_tips=0.42",
+                                         NULL};
 static const char *const constraint[] = {"constraint=periodic",
                                          "constraint=linear_displacement",
                                          "constraint=uniform_traction",
@@ -104,6 +111,10 @@ const ph_knob ph_knobs[] = {
      "solver.tolerance",
      tolerance,
      always},
+    {{"crack_tips", "what cracks seem too long on the lattice", "", "cracks"},
+     "model.crack_tips",
+     crack_tips,
+     tips_refuse},
     {{"constraint", "what closes the problem", "",
       "another problem, whose solution differs from the periodic one in a finite RVE"},
      "constraint",

@@ -17,6 +17,7 @@ static const char *const crossed[] = {
     "model.points=nodes;microstructure.interface=node_centre",
     "model.kind=local",
     "model.kind=local;microstructure.interface=node_centre",
+    "model.crack_tips=0.42",
 };
 static const char *const loose[] = {"solver.tolerance=1e-2", "solver.tolerance=1e-3",
                                     "solver.tolerance=1e-4"};
@@ -171,6 +172,7 @@ static bool is_crossed(const ph_i_trade *s, const char *words)
 {
     if (!words[0]) return true;
     if (strstr(words, "points=") && !applies(s, "points")) return false;
+    if (strstr(words, "crack_tips=") && !applies(s, "crack_tips")) return false;
     if (strstr(words, "interface=") && !applies(s, "interface")) return false;
     if (strstr(words, "kind=") &&
         (!applies(s, "model") || knob_called("points")->refuses(s->c)))
@@ -268,7 +270,7 @@ static ph_status sweep(ph_i_trade *s, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_trade *t = s->t;
-    s->planned = s->nrungs * 6;
+    s->planned = s->nrungs * (int)(sizeof crossed / sizeof *crossed);
     PH_TRY(sweep_grids(s, err));
     if (!s->given) ph_i_trade_find_reference(t);
     ph_trade_judge(t);
