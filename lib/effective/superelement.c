@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The matrix of the free body, which is that of uniform_traction, condensed to its faces. */
-#include <perihom/superelement.h>
+/* The matrix of the energy of the RVE, condensed to the nodes that its neighbours share. */
+#include "effective/superelement.h"
 
-#include "effective/run.h"
 #include "solve/factor.h"
 
 #include <math.h>
@@ -16,7 +15,7 @@ typedef struct coupling {
 
 typedef struct condensation {
     ph_run run;
-    ph_assembly assembly;
+    ph_body *body;
     ph_csc all, inside;
     ph_factor *factor;
     double *sum;  /* [nd][box] absolute row sums: zero where nothing is */
@@ -44,7 +43,7 @@ static void clear(condensation *c)
     ph_i_factor_free(&c->factor);
     ph_i_csc_clear(&c->all);
     ph_i_csc_clear(&c->inside);
-    ph_i_assembly_clear(&c->assembly);
+    ph_i_body_free(&c->body);
     free(c->sum);
     free(c->unknown);
     free(c->place);
@@ -56,45 +55,35 @@ static void clear(condensation *c)
     ph_result_free(&c->run.result);
 }
 
+static ptrdiff_t size_of(const ph_superelement *e)
+{
+    return e->nd * e->nodes + e->strains;
+}
+
 static ph_status check(const ph_problem *p, ph_error *err)
 {
     ph_status st = PH_OK;
     PH_CHECK(p->micro, PH_EINVAL, "a superelement needs a microstructure");
-    PH_CHECK(p->model.kind && strcmp(p->model.kind, "local") == 0, PH_EINVAL,
-             "a superelement is made of finite elements: model local, not '%s'",
-             p->model.kind ? p->model.kind : "nosb");
-    PH_CHECK(
-        p->micro->grid.kinematics != PH_GENERALISED_STRAIN, PH_EINVAL,
-        "generalised plane strain has a strain that is no displacement of a node: take "
-        "plane strain or stress, or 3D");
     PH_CHECK(!p->cracks || p->cracks->count == 0, PH_EINVAL,
-             "model local has no bonds that cracks could break");
+             "a superelement has no cracks");
 out:
     return st;
 }
 
-/* Where a node of the box is in the body, 0 .. n of each axis; false: it is none of its own. */
-static bool in_body(const condensation *c, ptrdiff_t x, ptrdiff_t at[3])
+/* Nodes of the RVE that are kept, and around it those that its energy depends on. */
+static bool is_kept(const condensation *c, ptrdiff_t x)
 {
-    const ph_grid *box = &c->run.setting.box, *rve = &c->run.problem->micro->grid;
-    const ptrdiff_t index[3] = {x / box->n[2] / box->n[1], x / box->n[2] % box->n[1],
-                                x % box->n[2]};
-    const int axes = rve->kinematics == PH_SPACE ? 3 : 2;
-    bool inside = true;
-    for (int a = 0; a < 3; a++) {
-        at[a] = (index[a] - c->run.setting.first[a] + box->n[a]) % box->n[a];
-        inside = inside && (at[a] <= rve->n[a] || a >= axes);
-    }
-    return inside;
-}
-
-static bool on_face(const condensation *c, const ptrdiff_t at[3])
-{
-    const ph_grid *rve = &c->run.problem->micro->grid;
-    bool face = false;
-    for (int a = 0; a < (rve->kinematics == PH_SPACE ? 3 : 2); a++)
-        face = face || at[a] == 0 || at[a] == rve->n[a];
-    return face;
+    const ptrdiff_t *n = c->run.problem->micro->grid.n;
+    ptrdiff_t at[3];
+    double sum = 0.0;
+    ph_i_body_at(c->body, x, at);
+    if (!ph_i_body_is_kept(c->body, at)) return false;
+    if (at[0] >= 0 && at[0] < n[0] && at[1] >= 0 && at[1] < n[1] && at[2] >= 0 &&
+        at[2] < n[2])
+        return true;
+    for (int a = 0; a < c->out->nd; a++)
+        sum += c->sum[a * ph_grid_cells(&c->body->box) + x];
+    return sum > 0.0;
 }
 
 /* Number the displacements, node by node: of the inside where there is material, of the
@@ -103,19 +92,23 @@ static void number_node(condensation *c, ptrdiff_t x, ptrdiff_t *faces)
 {
     const int nd = c->out->nd;
     const ph_grid *rve = &c->run.problem->micro->grid;
-    const ptrdiff_t nodes = c->run.op->layout.cells;
+    const ptrdiff_t nodes = ph_grid_cells(&c->body->box);
+    const ph_family *f = c->run.family;
+    const double middle = f && f->points == PH_POINTS_NODES ? 0.5 : 0.0; /* of a cell */
     ptrdiff_t at[3];
-    const bool body = in_body(c, x, at), face = body && on_face(c, at);
+    ph_i_body_at(c->body, x, at);
+    const bool kept = is_kept(c, x);
     for (int a = 0; a < nd; a++) {
         int *number = &c->unknown[a * nodes + x];
         *number = -1;
-        if (!face && !(body && c->sum[a * nodes + x] > 0)) continue;
-        c->place[c->n] = face ? -1 - (int)(nd * *faces + a) : c->ninside++;
+        if (!kept && !(c->sum[a * nodes + x] > 0 && !ph_i_body_is_kept(c->body, at)))
+            continue;
+        c->place[c->n] = kept ? -1 - (int)(nd * *faces + a) : c->ninside++;
         *number = c->n++;
     }
-    if (!face) return;
-    for (int a = 0; a < nd; a++)
-        c->out->position[*faces][a] = (double)at[a] * rve->h[a];
+    if (!kept) return;
+    for (int a = 0; a < (rve->kinematics == PH_SPACE ? 3 : 2); a++)
+        c->out->position[*faces][a] = ((double)at[a] + middle) * rve->h[a];
     c->node[(*faces)++] = x;
 }
 
@@ -123,20 +116,20 @@ static ph_status number(condensation *c, ph_error *err)
 {
     ph_status st = PH_OK;
     const int nd = c->out->nd;
-    const ptrdiff_t nodes = c->run.op->layout.cells;
-    ptrdiff_t at[3], faces = 0;
+    const ptrdiff_t nodes = ph_grid_cells(&c->body->box);
+    ptrdiff_t faces = 0;
+    PH_ALLOC(c->sum, nd * nodes, "row sums");
+    PH_TRY(ph_i_body_row_sums(c->body, c->sum, err));
     for (ptrdiff_t x = 0; x < nodes; x++)
-        faces += in_body(c, x, at) && on_face(c, at);
+        faces += is_kept(c, x);
     PH_CHECK(nd * faces <= PH_SUPERELEMENT_MOST, PH_EINVAL,
              "the faces have %td displacements, more than %d", nd * faces,
              PH_SUPERELEMENT_MOST);
     c->out->nodes = faces;
     PH_ALLOC(c->out->position, faces, "the nodes of the faces");
     PH_ALLOC(c->node, faces, "the nodes of the faces");
-    PH_ALLOC(c->sum, nd * nodes, "row sums");
     PH_ALLOC(c->unknown, nd * nodes, "the unknowns");
     PH_ALLOC(c->place, nd * nodes, "the unknowns");
-    PH_TRY(ph_i_assembly_row_sums(&c->assembly, c->sum, err));
     faces = 0;
     for (ptrdiff_t x = 0; x < nodes; x++)
         number_node(c, x, &faces);
@@ -145,18 +138,43 @@ out:
     return st;
 }
 
+/* The uniform strain 33 of generalised plane strain, as one more displacement of the faces. */
+static ph_status add_stretch(condensation *c, double volume, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const int nd = c->out->nd;
+    const ptrdiff_t N = size_of(c->out), nodes = ph_grid_cells(&c->body->box);
+    double *S = c->out->stiffness, *force = NULL, own;
+    PH_ALLOC(force, nd * nodes, "forces of a strain");
+    PH_TRY(ph_i_body_stretch(c->body, force, &own, err));
+    S[N * N - 1] = own * volume;
+    for (ptrdiff_t i = 0; i < nd * nodes; i++) {
+        if (c->unknown[i] < 0) continue;
+        const int at = c->place[c->unknown[i]];
+        const double v = force[i] * volume;
+        if (at >= 0)
+            c->coupling[c->ncouplings++] = (coupling){at, (int)N - 1, v};
+        else
+            S[(-1 - at) * N + N - 1] = S[(N - 1) * N - 1 - at] = v;
+    }
+out:
+    free(force);
+    return st;
+}
+
 /* The blocks of the matrix: K_ii of its own, K_ib as entries, K_bb into the answer. */
 static ph_status take_apart(condensation *c, ph_error *err)
 {
     ph_status st = PH_OK;
-    const int ni = c->ninside, nb = c->n - ni;
+    const int ni = c->ninside;
+    const ptrdiff_t nb = size_of(c->out);
     const ph_grid *rve = &c->run.problem->micro->grid;
     const double volume =
         rve->h[0] * rve->h[1] * rve->h[2]; /* the operator is per volume */
-    PH_TRY(ph_i_assembly_matrix(&c->assembly, c->unknown, c->n, &c->all, err));
+    PH_TRY(ph_i_body_matrix(c->body, c->unknown, c->n, &c->all, err));
     const ptrdiff_t entries = c->all.start[c->n];
-    PH_ALLOC(c->out->stiffness, (ptrdiff_t)nb * nb, "a superelement");
-    PH_ALLOC(c->coupling, entries, "the coupling of the faces");
+    PH_ALLOC(c->out->stiffness, nb * nb, "a superelement");
+    PH_ALLOC(c->coupling, entries + ni, "the coupling of the faces");
     PH_ALLOC(c->inside.start, ni + 1, "the matrix of the inside");
     PH_ALLOC(c->inside.row, entries, "the matrix of the inside");
     PH_ALLOC(c->inside.value, entries, "the matrix of the inside");
@@ -180,6 +198,7 @@ static ph_status take_apart(condensation *c, ph_error *err)
         }
         if (column >= 0) c->inside.start[column + 1] = kept;
     }
+    if (c->out->strains) PH_TRY(add_stretch(c, volume, err));
 out:
     return st;
 }
@@ -195,7 +214,8 @@ static int by_column(const void *a, const void *b)
 static ph_status condense(condensation *c, ph_error *err)
 {
     ph_status st = PH_OK;
-    const int ni = c->ninside, nb = c->n - ni;
+    const int ni = c->ninside;
+    const ptrdiff_t nb = size_of(c->out);
     double *S = c->out->stiffness, *rhs = NULL;
     if (ni == 0) return PH_OK;
     PH_TRY(ph_i_factor_new(&c->inside, &c->factor, err));
@@ -210,7 +230,7 @@ static ph_status condense(condensation *c, ph_error *err)
             rhs[c->coupling[last].row] = c->coupling[last].value;
         PH_TRY(ph_i_factor_solve(c->factor, rhs, c->x, err));
         for (ptrdiff_t k = 0; k < c->ncouplings; k++)
-            S[(ptrdiff_t)c->coupling[k].column * nb + column] -=
+            S[c->coupling[k].column * nb + column] -=
                 c->coupling[k].value * c->x[c->coupling[k].row];
     }
     for (ptrdiff_t i = 0; i < nb; i++)
@@ -223,14 +243,16 @@ out:
 
 /* ---- effective stiffness -------------------------------------------------------------- */
 
-/* u = eps x of the unit Mandel strain `load` at the nodes of the faces. */
+/* u = eps x of the unit Mandel strain `load`; nothing varies along an axis 3 without nodes. */
 static void affine(const ph_superelement *e, int load, double *u)
 {
     static const int pair3[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
     static const int pair2[3][2] = {{0, 0}, {1, 1}, {0, 1}};
     const int *p = e->nd == 3 ? pair3[load] : pair2[load];
-    const double half = p[0] == p[1] ? 0.5 : sqrt(0.5);
-    memset(u, 0, sizeof *u * (size_t)(e->nd * e->nodes));
+    double half = p[0] == p[1] ? 0.5 : sqrt(0.5);
+    if (e->strains && p[0] != p[1] && p[1] == 2) half = sqrt(2.0);
+    memset(u, 0, sizeof *u * (size_t)size_of(e));
+    if (e->strains) u[size_of(e) - 1] = load == 2;
     for (ptrdiff_t k = 0; k < e->nodes; k++) {
         u[k * e->nd + p[0]] += half * e->position[k][p[1]];
         u[k * e->nd + p[1]] += half * e->position[k][p[0]];
@@ -240,7 +262,7 @@ static void affine(const ph_superelement *e, int load, double *u)
 /* f = S u */
 static void pull(const ph_superelement *e, const double *u, double *f)
 {
-    const ptrdiff_t n = e->nd * e->nodes;
+    const ptrdiff_t n = size_of(e);
     for (ptrdiff_t i = 0; i < n; i++) {
         f[i] = 0;
         for (ptrdiff_t j = 0; j < n; j++)
@@ -256,12 +278,14 @@ static void find_masters(const condensation *c, int *of_box, int *master, int *c
     for (int pass = 0; pass < 2; pass++)
         for (ptrdiff_t k = 0; k < c->out->nodes; k++) {
             ptrdiff_t at[3];
-            in_body(c, c->node[k], at);
-            const bool first = at[0] < rve->n[0] && at[1] < rve->n[1] &&
-                               (c->out->nd == 2 || at[2] < rve->n[2]);
+            ph_i_body_at(c->body, c->node[k], at);
+            bool first = true;
             ptrdiff_t image = 0;
-            for (int a = 0; a < c->out->nd; a++)
-                image = image * rve->n[a] + at[a] % rve->n[a];
+            for (int a = 0; a < 3; a++) {
+                const ptrdiff_t n = rve->n[a];
+                first = first && at[a] >= 0 && at[a] < n;
+                image = image * n + (at[a] % n + n) % n;
+            }
             if (pass == 0 && first) of_box[image] = (*count)++;
             if (pass == 1) master[k] = of_box[image];
         }
@@ -272,7 +296,7 @@ static ph_status gather(const ph_superelement *e, const int *master, int n, ph_c
                         ph_error *err)
 {
     ph_status st = PH_OK;
-    const ptrdiff_t nb = e->nd * e->nodes;
+    const ptrdiff_t nb = e->nd * e->nodes, all = size_of(e);
     const ptrdiff_t entries = (ptrdiff_t)n * (n + 1) / 2;
     PH_CHECK(entries <= PH_MATRIX_MOST, PH_EINVAL,
              "too many pairs of nodes on the faces");
@@ -290,7 +314,7 @@ static ph_status gather(const ph_superelement *e, const int *master, int n, ph_c
             const int r = (master[i / e->nd] - 1) * e->nd + (int)(i % e->nd);
             const int q = (master[j / e->nd] - 1) * e->nd + (int)(j % e->nd);
             if (r >= q && q >= 0)
-                out->value[out->start[q] + r - q] += e->stiffness[i * nb + j];
+                out->value[out->start[q] + r - q] += e->stiffness[i * all + j];
         }
 out:
     return st;
@@ -326,7 +350,7 @@ static ph_sym4 stiffness_of(const ph_superelement *e, int ns, double *const u[6]
     for (int b = 0; b < ns; b++) {
         pull(e, u[b], f);
         for (int a = 0; a < ns; a++)
-            for (ptrdiff_t i = 0; i < e->nd * e->nodes; i++)
+            for (ptrdiff_t i = 0; i < size_of(e); i++)
                 C.m[a][b] += u[a][i] * f[i] / volume;
     }
     for (int a = 0; a < ns; a++)
@@ -346,11 +370,11 @@ static ph_status both_stiffnesses(condensation *c, ph_error *err)
     int *master = NULL, *of_box = NULL, count = 0;
     ph_csc pairs = {0};
     ph_factor *factor = NULL;
-    PH_ALLOC(f, e->nd * e->nodes, "forces of the faces");
+    PH_ALLOC(f, size_of(e), "forces of the faces");
     PH_ALLOC(master, e->nodes, "pairs of the faces");
     PH_ALLOC(of_box, ph_grid_cells(rve), "pairs of the faces");
     for (int a = 0; a < ns; a++) {
-        PH_ALLOC(u[a], e->nd * e->nodes, "displacements of the faces");
+        PH_ALLOC(u[a], size_of(e), "displacements of the faces");
         affine(e, a, u[a]);
     }
     e->linear = stiffness_of(e, ns, u, f, volume);
@@ -382,18 +406,17 @@ ph_status ph_superelement_new(const ph_problem *problem, const ph_ctx *ctx,
     ph_problem body = *problem;
     condensation c = {.run = {.problem = &body, .ctx = ctx}};
     *out = NULL;
-    body.constraint = (ph_constraint_params){.kind = "uniform_traction"};
+    body.constraint = (ph_constraint_params){.kind = "linear_displacement"};
     body.solver = (ph_solver_params){0};
     body.keep_fields = false;
     PH_TRY(check(problem, err));
     PH_TRY(ph_i_run_begin(&c.run, err));
     PH_TRY(ph_i_run_prepare(&c.run, err));
-    PH_TRY(ph_i_run_build(&c.run, err));
-    PH_TRY(ph_i_assembly_init(&c.assembly, c.run.op, &c.run.setting.box, &c.run.params,
-                              &c.run.meter, err));
+    PH_TRY(ph_i_body_new(&c.run, &c.body, err));
     PH_ALLOC(c.out, 1, "a superelement");
     c.out->kinematics = problem->micro->grid.kinematics;
     c.out->nd = ph_displacements(c.out->kinematics);
+    c.out->strains = c.out->kinematics == PH_GENERALISED_STRAIN;
     PH_TRY(number(&c, err));
     PH_TRY(take_apart(&c, err));
     PH_TRY(condense(&c, err));

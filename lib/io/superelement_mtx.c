@@ -16,7 +16,7 @@ ph_status ph_superelement_to_mtx(const ph_superelement *e, char **text, ph_error
     PH_GIVEN(e && text);
     ph_status st = PH_OK;
     ph_i_growing g = {0};
-    const ptrdiff_t n = e->nd * e->nodes;
+    const ptrdiff_t n = e->nd * e->nodes + e->strains;
     ph_i_appendf(&g,
                  "%%%%MatrixMarket matrix array real symmetric\n"
                  "%% superelement of an RVE: row %d node + component, node and component "

@@ -261,7 +261,22 @@ def superelements():
     size = 2 * outside
     assert body[0] == "%d %d" % (size, size) and len(body) == 1 + size * (size + 1) // 2
     assert float(body[1]) == whole.stiffness[0, 0] and float(body[-1]) == whole.stiffness[-1, -1]
-    raises(perihom.Error, lambda: perihom.Superelement(blob()), "generalised plane strain")
+    for options in ({}, {"model": "bond", "horizon": 2.0}, {"model": "nosb", "points": "nodes", "horizon": 1.0}):
+        plane = "stress" if options.get("model") == "bond" else "generalised_strain"
+        nu = 1 / 3 if plane == "stress" else 0.3
+        two = [perihom.Material.isotropic(name, E, nu) for name, E in (("a", 1), ("b", 10))]
+        micro = perihom.Microstructure(two, np.pad(np.ones((4, 4), int), 2), plane=plane)
+        e = perihom.Superelement(micro, **options)
+        assert e.stiffness.shape == (len(e.position) * e.components + e.strains,) * 2
+        assert e.strains == (plane == "generalised_strain")
+        r = perihom.homogenise(micro, tolerance=1e-10, model=options.get("model", "local"), points=options.get("points"),
+                               horizon=options.get("horizon"), constraint="linear_displacement")
+        assert np.allclose(e.linear, r.stiffness, atol=1e-8 * np.abs(r.stiffness).max())
+    with tempfile.TemporaryDirectory() as folder:
+        e.write_h5(os.path.join(folder, "s.h5"))
+        with open(os.path.join(folder, "s.h5"), "rb") as f:
+            assert f.read(4) == b"\x89HDF"
+        raises(perihom.Error, lambda: e.write_h5(folder), folder)
 
 
 def damage_laws():

@@ -153,11 +153,12 @@ typedef struct { const char *name; int id; int symmetry; double tolerance; bool 
 ph_status ph_card_write(const ph_effective *effective, const char *format, const ph_card_params *params, char **text,
                         double *distance, ph_error *err);
 
-typedef struct { int kinematics; int nd; ptrdiff_t nodes; double (*position)[3]; double *stiffness; ptrdiff_t condensed;
+typedef struct { int kinematics; int nd, strains; ptrdiff_t nodes; double (*position)[3]; double *stiffness; ptrdiff_t condensed;
                  ph_sym4 linear, periodic; ...; } ph_superelement;
 ph_status ph_superelement_new(const ph_problem *problem, const ph_ctx *ctx, ph_superelement **out, ph_error *err);
 void ph_superelement_free(ph_superelement **element);
 ph_status ph_superelement_to_mtx(const ph_superelement *element, char **text, ph_error *err);
+ph_status ph_superelement_write_h5(const ph_superelement *element, const char *path, ph_error *err);
 
 typedef struct ph_fe2 ph_fe2;
 typedef struct ph_fe2_point ph_fe2_point;

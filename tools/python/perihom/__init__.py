@@ -502,20 +502,24 @@ class Relaxation:
 
 
 class Superelement:
-    """The RVE condensed to the nodes of its faces (model local; plane strain, plane stress, 3D).
+    """The RVE condensed to the nodes that it shares with its neighbours (docs/theory/superelement.md).
 
+    Superelement(micro): finite elements, whose nodes are on the faces; model "nosb" or "bond", with
+    points, horizon, interface as of homogenise: a boundary volume as thick as the family.
     position: [node][3] from the lower corner; stiffness: [n][n], row components * node + axis,
-    a view; linear, periodic: the effective stiffness with u = eps x on the faces, and periodic.
+    a view; in generalised plane strain one more row, the macro strain 33 (strains = 1); linear,
+    periodic: the effective stiffness with u = eps x on what is kept, and periodic.
     """
 
-    def __init__(self, micro: Microstructure, interface: Optional[str] = None, threads: int = 0):
-        problem, _keep = _problem(micro, None, "local", interface=interface)
+    def __init__(self, micro: Microstructure, interface: Optional[str] = None, threads: int = 0, model: str = "local",
+                 points: Optional[str] = None, horizon: Optional[float] = None):
+        problem, _keep = _problem(micro, None, model, points, horizon, interface=interface)
         out = ffi.new("ph_superelement **")
         _call(lambda ctx, err: lib.ph_superelement_new(problem, ctx, out, err), threads, None,
               lambda: lib.ph_superelement_free(out))
         self._c = _owned(out[0], "ph_superelement", lib.ph_superelement_free)
-        self.components, self.condensed = self._c.nd, self._c.condensed
-        n = self._c.nodes * self._c.nd
+        self.components, self.condensed, self.strains = self._c.nd, self._c.condensed, self._c.strains
+        n = self._c.nodes * self._c.nd + self._c.strains
         self.position = _view(self._c, self._c.position, "double", (self._c.nodes, 3))
         self.stiffness = _view(self._c, self._c.stiffness, "double", (n, n))
         self.linear, self.periodic = _voigt(self._c.linear), _voigt(self._c.periodic)
@@ -525,6 +529,11 @@ class Superelement:
         out, err = ffi.new("char **"), ffi.new("ph_error *")
         _check(lib.ph_superelement_to_mtx(self._c, out, err), err)
         return _take_text(out)
+
+    def write_h5(self, path: Union[str, os.PathLike]) -> None:
+        """HDF5: stiffness/data, indices, indptr as of scipy.sparse.csr_matrix, position, linear, periodic."""
+        err = ffi.new("ph_error *")
+        _check(lib.ph_superelement_write_h5(self._c, os.fspath(path).encode(), err), err)
 
 
 def run(path: Union[str, os.PathLike], sets: Optional[Mapping[str, Any]] = None, **options) -> Result:
