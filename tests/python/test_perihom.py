@@ -279,6 +279,22 @@ def superelements():
         raises(perihom.Error, lambda: e.write_h5(folder), folder)
 
 
+def cracked_cases():
+    """What a case says of cracks and loadings is solved, as the program does."""
+    for name, sets in (("growing-crack.yaml", {"microstructure.nodes": [20, 20]}),
+                       ("debonding-fibre.yaml", {"microstructure.nodes": [12, 12], "loading.window": 0.5})):
+        got = perihom.run(os.path.join(cases, name), sets).to_dict()["effective"]
+        with tempfile.TemporaryDirectory() as folder:
+            words = [x for k, v in sets.items() for x in ("--set", "%s=%s" % (k, v))]
+            subprocess.run([program, "run", os.path.join(cases, name), "-q", "-o", folder + "/r"] + words, check=True,
+                           stdout=subprocess.DEVNULL)
+            with open(folder + "/r/result.json") as f:
+                want = json.load(f)["effective"]
+        assert np.array_equal([s["stiffness"] for s in got["damage"]["steps"]],
+                              [s["stiffness"] for s in want["damage"]["steps"]])
+        assert ("failure" in got) == (name == "debonding-fibre.yaml")
+
+
 def damage_laws():
     """A law by hand, and one out of a document: recorded path, irreversible, each point its own tangent."""
     C = np.array([[3.0, 1, 0], [1, 3, 0], [0, 0, 1]])
@@ -357,7 +373,7 @@ def fe2():
 
 
 tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
-         threads_do_not_meet, cards_and_catalogues, material_points, damage_laws, relaxing_composites, superelements, fe2]
+         threads_do_not_meet, cards_and_catalogues, material_points, cracked_cases, damage_laws, relaxing_composites, superelements, fe2]
 failed = 0
 for number, test in enumerate(tests, 1):
     try:

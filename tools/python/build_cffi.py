@@ -183,6 +183,10 @@ typedef struct { long updates, hits, solves, iterations, tangents, events, state
 void ph_fe2_counts_get(ph_fe2 *fe2, ph_fe2_counts *out);
 
 ph_status ph_rve_build(const ph_case *c, ph_microstructure **out, ph_error *err);
+typedef struct ph_crack_plan ph_crack_plan;
+ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err);
+void ph_crack_plan_free(ph_crack_plan **plan);
+ph_problem ph_rve_problem(const ph_case *c, const ph_microstructure *micro, const ph_crack_plan *plan);
 
 void free(void *);
 extern "Python" bool perihom_progress(void *user, const ph_progress *now);

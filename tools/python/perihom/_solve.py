@@ -2,7 +2,7 @@
 """How a solve of the library is called: its problem, progress, interruption."""
 from __future__ import annotations
 
-from ._base import _check, _enum
+from ._base import _check, _enum, _owned
 from ._perihom import ffi, lib
 
 _POINTS = {"auto": 0, "nodes": 1, "stress": 2}
@@ -32,9 +32,10 @@ def _problem(micro, case, model=None, points=None, horizon=None, constraint=None
 
     problem.micro = micro._c
     if case is not None:
-        problem.interface, problem.model = case._c.interface, case._c.model
-        problem.constraint, problem.solver = case._c.constraint, case._c.solver
-        problem.keep_fields = case._c.fields
+        plan, err = ffi.new("ph_crack_plan **"), ffi.new("ph_error *")
+        _check(lib.ph_rve_cracks(case._c, plan, err), err)
+        keep.append(_owned(plan[0], "ph_crack_plan", lib.ph_crack_plan_free))
+        problem[0] = lib.ph_rve_problem(case._c, micro._c, keep[-1])
     if model is not None:
         problem.model.kind = word(model)
     if points is not None:
