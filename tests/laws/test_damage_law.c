@@ -415,6 +415,7 @@ static void the_cell(void **state)
             CHECK_OK(ph_effective_parse(json, strlen(json), "r.json", &back, &err));
         if (!e || !e->damage || !back) goto next;
         CHECK(back->damage && back->damage->nknots == e->damage->nknots);
+        CHECK_REL(e->damage->begin[0], fabs(p->first_load), 1e-14);
         /* springs only ever fall; strains of states are another matter */
         CHECK(e->damage->correction < (kind < 2 ? 1e-9 : 1e-2));
         CHECK_OK(ph_point_material_new(back, &m, &err));
