@@ -62,7 +62,8 @@ static inline void set_up(trial *t, ph_microstructure *micro, ph_failure_rule fi
     t->rule[1] = second;
     t->failure.material = t->rule;
     t->to[0] = to;
-    t->loading = (ph_loading){.strain = {0, 1, 0}, .ntargets = 1, .steps = steps};
+    t->loading = (ph_loading){
+        .strain = {0, 1, 0}, .ntargets = 1, .steps = steps, .every_event = true};
     t->problem = (ph_problem){.micro = micro,
                               .model = {.kind = "bond", .horizon = horizon},
                               .solver = {.tolerance = tight},

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double default_window = 1e-3;
+static const double default_window = 0.01;
 
 static ph_status check_times(const ph_run *r, ph_error *err)
 {

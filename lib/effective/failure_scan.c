@@ -48,6 +48,22 @@ out:
     return st;
 }
 
+/* No bond breaks at a smaller stretch. */
+static double weakest(const ph_scan *s)
+{
+    const ph_strengths *k = s->strengths;
+    double least = INFINITY, form = INFINITY;
+    for (ptrdiff_t i = 0; s->critical && i < s->cells * s->nhalf; i++)
+        least = fmin(least, s->critical[i]);
+    if (s->critical) return least;
+    for (int c = 0; c < PH_STRENGTH_FORMS; c++)
+        for (ptrdiff_t b = 0; b < k->broken->family->count; b++)
+            form = fmin(form, k->form[c][b]);
+    for (ptrdiff_t i = 0; i < 2 * (ptrdiff_t)k->classes * k->classes; i++)
+        least = fmin(least, k->amplitude[i % 2][i / 2]);
+    return least * form * (1.0 - 1e-12);
+}
+
 ph_status ph_i_scan_new(const ph_run *r, const ph_strengths *strengths,
                         const double *macro, ph_scan **out, ph_error *err)
 {
@@ -61,6 +77,8 @@ ph_status ph_i_scan_new(const ph_run *r, const ph_strengths *strengths,
     PH_TRY(list_halves(s, err));
     PH_TRY(wrap_axes(s, err));
     PH_TRY(keep_strengths(s, err));
+    PH_ALLOC(s->stretch, s->nhalf, "stretches");
+    s->weakest = weakest(s);
     PH_DOUBLES(s->least, strengths->broken->meter, (size_t)s->cells, "critical loads");
     *out = s;
     s = NULL;
@@ -79,6 +97,7 @@ void ph_i_scan_free(ph_scan **scan)
     ph_i_doubles_free(br->meter, &s->critical, (size_t)(s->cells * s->nhalf));
     ph_i_doubles_free(br->meter, &s->least, (size_t)s->cells);
     free(s->half);
+    free(s->stretch);
     free(s->picked);
     free(s);
     *scan = NULL;
@@ -165,23 +184,65 @@ static void cell_at(const ph_scan *s, ptrdiff_t x, ptrdiff_t at[3])
     at[2] = x % n[2];
 }
 
-double ph_i_scan_least(ph_scan *s, const double *u, double sign)
+/* The strength of a bond is looked up only if it could be the first to break. */
+static void scan_cell(ph_scan *s, const double *u, double sign, ptrdiff_t x)
+{
+    const ph_family *f = s->strengths->broken->family;
+    const ptrdiff_t cells = s->cells;
+    const int nd = s->run->op->layout.nd;
+    ptrdiff_t at[3], place = ph_i_broken_place(s->strengths->broken, x);
+    double mine = INFINITY, here[3];
+    cell_at(s, x, at);
+    for (int a = 0; a < nd; a++)
+        here[a] = u[a * cells + x];
+    for (ptrdiff_t h = 0; h < s->nhalf; h++) {
+        ptrdiff_t b = s->half[h], y = end_of(s, at, b);
+        const double *xi = f->xi[b];
+        double e = s->stretch[h], square = 0.0;
+        if (y < 0 || !is_intact(s, place, h)) continue;
+        for (int a = 0; a < nd; a++) {
+            e += xi[a] * (u[a * cells + y] - here[a]);
+            square += xi[a] * xi[a];
+        }
+        if (!(sign * e * mine > s->weakest * square)) continue;
+        double load = critical_load(s, u, sign, x, h, y);
+        if (load < mine) mine = load;
+    }
+    s->least[x] = mine;
+}
+
+/* Of the macro strain, xi . macro xi. */
+static void stretch_of_macro(ph_scan *s)
+{
+    int nd = s->run->op->layout.ns == 3 ? 2 : 3;
+    for (ptrdiff_t h = 0; h < s->nhalf; h++)
+        s->stretch[h] = ph_i_springs_stretch(
+            nd, s->strengths->broken->family->xi[s->half[h]], s->macro);
+}
+
+double ph_i_scan_least(const ph_scan *s)
 {
     double least = INFINITY;
-#pragma omp parallel for num_threads(s->run->threads) schedule(static)
-    for (ptrdiff_t x = 0; x < s->cells; x++) {
-        ptrdiff_t at[3], place = ph_i_broken_place(s->strengths->broken, x);
-        double mine = INFINITY;
-        cell_at(s, x, at);
-        for (ptrdiff_t h = 0; h < s->nhalf; h++)
-            if (is_intact(s, place, h))
-                mine = fmin(mine,
-                            critical_load(s, u, sign, x, h, end_of(s, at, s->half[h])));
-        s->least[x] = mine;
-    }
     for (ptrdiff_t x = 0; x < s->cells; x++)
         least = fmin(least, s->least[x]);
     return least;
+}
+
+double ph_i_scan(ph_scan *s, const double *u, double sign)
+{
+    stretch_of_macro(s);
+#pragma omp parallel for num_threads(s->run->threads) schedule(static)
+    for (ptrdiff_t x = 0; x < s->cells; x++)
+        scan_cell(s, u, sign, x);
+    return ph_i_scan_least(s);
+}
+
+void ph_i_scan_cells(ph_scan *s, const double *u, double sign, ptrdiff_t count,
+                     const int32_t *cell)
+{
+    stretch_of_macro(s);
+    for (ptrdiff_t i = 0; i < count; i++)
+        scan_cell(s, u, sign, cell[i]);
 }
 
 double ph_i_scan_reach(ph_scan *s, const double *u, const double *macro, const double *du,

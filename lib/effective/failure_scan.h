@@ -19,6 +19,8 @@ typedef struct ph_scan {
     int *half;        /* [nhalf] one bond of each pair */
     int32_t *wrap[3]; /* cell number i - reach .. n + reach of each axis */
     double *critical; /* [cells][nhalf] with scatter, else NULL */
+    double weakest;   /* least critical stretch of all */
+    double *stretch;  /* [nhalf] xi . macro xi, as last scanned */
     double *least;    /* [cells] least critical load of the bonds of a cell */
     ptrdiff_t npicked, room;
     ph_picked *picked;
@@ -29,7 +31,12 @@ ph_status ph_i_scan_new(const ph_run *run, const ph_strengths *strengths,
 void ph_i_scan_free(ph_scan **scan);
 /** Least load > 0 at which an intact bond breaks, where u [nd][cells] belongs to the unit
  *  load times sign; INFINITY: none. Cost: bonds. The same bits for any number of threads. */
-double ph_i_scan_least(ph_scan *scan, const double *u, double sign);
+double ph_i_scan(ph_scan *scan, const double *u, double sign);
+/** Look again at the bonds of some cells. */
+void ph_i_scan_cells(ph_scan *scan, const double *u, double sign, ptrdiff_t count,
+                     const int32_t *cell);
+/** The least of all cells, as last scanned. */
+double ph_i_scan_least(const ph_scan *scan);
 /** Least t >= 0 at which an intact bond breaks, where its displacement is u + t du and the macro
  *  strain macro + t dmacro; INFINITY: none. Cost and bits as above. */
 double ph_i_scan_reach(ph_scan *scan, const double *u, const double *macro,

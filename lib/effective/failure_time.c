@@ -62,7 +62,7 @@ static void look_at_end(ph_course *c)
 /* Largest stretch over critical stretch of the intact bonds. */
 static double worst_bond(ph_course *c)
 {
-    double least = ph_i_scan_least(c->scan, c->end, 1.0);
+    double least = ph_i_scan(c->scan, c->end, 1.0);
     return isfinite(least) ? 1.0 / least : 0.0;
 }
 

@@ -104,7 +104,7 @@ static ph_status solve(ph_fe2_worker *w, const double *macro, double *u, ph_erro
 {
     ph_status st = PH_OK;
     ph_cg_report report;
-    st = ph_i_run_solve(&w->run, macro, false, u, &report, err);
+    st = ph_i_run_solve(&w->run, macro, false, u, 0.0, &report, err);
     if (st == PH_OK)
         memcpy(u, w->run.u,
                sizeof *u * (size_t)(w->run.op->layout.nd * w->run.op->layout.cells));
@@ -257,10 +257,10 @@ static ph_status follow(walk *k, ph_error *err)
         double t = ph_i_scan_reach(w->scan, w->u, w->scan->macro, w->du, k->de);
         if (!(t <= k->left)) break;
         go_on(k, t);
-        double least = ph_i_scan_least(w->scan, w->u, 1.0);
+        double least = ph_i_scan(w->scan, w->u, 1.0);
         do {
             PH_TRY(take_event(k, least, err));
-            least = ph_i_scan_least(w->scan, w->u, 1.0);
+            least = ph_i_scan(w->scan, w->u, 1.0);
         } while (least <= 1.0 && !k->severed);
         if (k->left > 0.0) PH_TRY(solve_ahead(k, err));
     }

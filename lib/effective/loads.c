@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const double default_tolerance = 1e-6;
-enum { DEFAULT_ITERATIONS = 2000 };
+enum { DEFAULT_ITERATIONS = 2000, ENERGY_STEPS = 4 };
 /* A load below this share of the forces that its stresses could make is round-off. */
 static const double no_load = 1e-13;
 
@@ -179,9 +179,12 @@ static ph_status solve_for(ph_run *r, bool by_stress, const double *guess,
 }
 
 ph_status ph_i_run_solve(ph_run *r, const double *macro, bool by_stress,
-                         const double *guess, ph_cg_report *report, ph_error *err)
+                         const double *guess, double energy_most, ph_cg_report *report,
+                         ph_error *err)
 {
     *report = new_report(r, 1, 1, guess != NULL);
+    report->energy_most = energy_most;
+    report->look_back = energy_most > 0.0 ? ENERGY_STEPS : 0;
     if (by_stress)
         ph_i_operator_pull(r->op, macro, r->setting.region, r->load);
     else

@@ -88,9 +88,11 @@ void ph_i_drop_nothing(ph_sym4 *stiffness);
 ph_status ph_i_run_iterate(ph_run *run, const double *load, double *u,
                            ph_cg_report *report, ph_error *err);
 /** Displacement of a macro strain or, by_stress, of a traction, [ns] Mandel, into run->u, from
- *  a guess [nd][cells] or NULL. @param[out] report iterations and residual */
+ *  a guess [nd][cells] or NULL. @param[in] energy_most see ph_cg_report; 0: the tolerance
+ *  alone. @param[out] report iterations and residual */
 ph_status ph_i_run_solve(ph_run *run, const double *macro, bool by_stress,
-                         const double *guess, ph_cg_report *report, ph_error *err);
+                         const double *guess, double energy_most, ph_cg_report *report,
+                         ph_error *err);
 /** Are the entries of the tensor refined with the fields of all loads? */
 bool ph_i_run_second_order(const ph_run *run);
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */

@@ -68,7 +68,8 @@ static void strain_of(const ph_unit_load *unit, const ph_unit_column *c, double 
         macro[c->component] = 1.0;
 }
 
-static ph_status solve_column(ph_unit_load *unit, ph_unit_column *c, ph_error *err)
+static ph_status solve_column(ph_unit_load *unit, ph_unit_column *c, double energy_most,
+                              ph_error *err)
 {
     ph_status st = PH_OK;
     ph_run *r = unit->run;
@@ -78,7 +79,8 @@ static ph_status solve_column(ph_unit_load *unit, ph_unit_column *c, ph_error *e
     strain_of(unit, c, macro);
     if (c->by_stress) unit_stress[c->component] = 1.0;
     PH_TRY(ph_i_run_solve(r, c->by_stress ? unit_stress : macro, c->by_stress,
-                          unit->solved ? c->u : NULL, &report, err));
+                          unit->solved ? c->u : NULL, unit->single ? energy_most : 0.0,
+                          &report, err));
     memcpy(c->u, r->u, unit->size * sizeof *c->u);
     unit->iterations += report.iterations;
     unit->residual = fmax(unit->residual, report.residual);
@@ -193,13 +195,22 @@ static void come_apart(ph_unit_load *unit)
     unit->work = unit->energy = 0.0;
 }
 
-ph_status ph_i_unit_load_solve(ph_unit_load *unit, ph_error *err)
+ph_status ph_i_unit_load_measure(ph_unit_load *unit, ph_error *err)
+{
+    double work = unit->work, energy = unit->energy;
+    ph_status st = measure(unit, err);
+    unit->work = work;
+    unit->energy = energy;
+    return st;
+}
+
+ph_status ph_i_unit_load_solve(ph_unit_load *unit, double energy_most, ph_error *err)
 {
     ph_status st = PH_OK;
     unit->iterations = 0;
     unit->residual = 0.0;
     for (int c = 0; c < unit->columns; c++) {
-        st = solve_column(unit, &unit->column[c], err);
+        st = solve_column(unit, &unit->column[c], energy_most, err);
         bool lost = st == PH_ENOCONV || st == PH_ESINGULAR;
         if (lost && unit->solved && unit->run->constraint->by_stress) {
             if (err) *err = (ph_error)PH_ERROR_INIT;

@@ -48,7 +48,11 @@ typedef struct ph_unit_load {
 ph_status ph_i_unit_load_init(ph_unit_load *unit, ph_run *run, const double *strain,
                               unsigned free, ph_error *err);
 void ph_i_unit_load_clear(ph_unit_load *unit);
-/** Solve, from the columns of the last time. Cost: `columns` solves. */
-ph_status ph_i_unit_load_solve(ph_unit_load *unit, ph_error *err);
+/** Solve, from the columns of the last time. Cost: `columns` solves.
+ *  @param[in] energy_most a single column may stop where this is the energy of its error,
+ *             u . A u, as far as the last steps tell; 0: the solver's tolerance */
+ph_status ph_i_unit_load_solve(ph_unit_load *unit, double energy_most, ph_error *err);
+/** Mean stress and strain of u as it is; work and energy stay. */
+ph_status ph_i_unit_load_measure(ph_unit_load *unit, ph_error *err);
 
 #endif

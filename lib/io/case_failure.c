@@ -13,9 +13,10 @@ static const char *const rule_keys[] = {"fracture_energy", "criterion",
 static const char *const criteria[] = {"critical_stretch", "bond_energy"};
 static const char *const loading_keys[] = {
     "strain",        "stress", "stress_free", "to",    "times",
-    "rate",          "steps",  "window",      "break", "stiffness_every",
+    "rate",          "steps",  "window",      "break", "equilibrium", "stiffness_every",
     "pictures_every"};
 static const char *const break_names[] = {"events", "together"};
+static const char *const equilibrium_names[] = {"patches", "every_event"};
 
 void ph_i_failure_free(ph_case *c)
 {
@@ -237,7 +238,7 @@ static ph_status read_loading(ph_i_reader *r, const ph_i_node *map, ph_error *er
         return PH_OK;
     ph_i_check_keys(r, map, (ph_i_names)PH_I_NAMES(loading_keys), "loading");
     l->steps = 40;
-    l->window = 1e-3;
+    l->window = 0.01;
     const ph_i_node *stress = ph_i_get(map, "stress"),
                     *strain = stress
                                   ? ph_i_get(map, "strain")
@@ -264,6 +265,9 @@ static ph_status read_loading(ph_i_reader *r, const ph_i_node *map, ph_error *er
     if ((node = ph_i_get(map, "break")) &&
         (i = ph_i_read_name(r, node, (ph_i_names)PH_I_NAMES(break_names))) >= 0)
         l->together = i == 1;
+    if ((node = ph_i_get(map, "equilibrium")) &&
+        (i = ph_i_read_name(r, node, (ph_i_names)PH_I_NAMES(equilibrium_names))) >= 0)
+        l->every_event = i == 1;
     if ((int64_t)l->ntargets * l->steps > MAX_STEPS)
         ph_i_complain(r, map, PH_EINVAL, "has more than 1e5 steps in all");
 out:

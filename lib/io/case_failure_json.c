@@ -59,6 +59,8 @@ json_t *ph_i_loading_to_json(const ph_case *c, bool *good)
     ph_i_json_set(map, "steps", json_integer(l->steps), good);
     ph_i_json_set(map, "window", json_real(l->window), good);
     ph_i_json_set(map, "break", json_string(l->together ? "together" : "events"), good);
+    ph_i_json_set(map, "equilibrium",
+                  json_string(l->every_event ? "every_event" : "patches"), good);
     ph_i_json_set(map, "stiffness_every", json_integer(l->stiffness_every), good);
     ph_i_json_set(map, "pictures_every", json_integer(c->pictures_every), good);
     return map;

@@ -72,11 +72,15 @@ typedef struct ph_loading {
     const double *to; /* [ntargets] finite */
     int steps;        /* from one target to the next, where results are kept; >= 1 */
     /* One event breaks the bonds whose critical load is within this share of the least one;
-     * 0: 1e-3. */
+     * 0: 0.01. */
     double window;
     /* Instead: all bonds that are beyond critical at a step break together. The results then
      * depend on the number of steps. */
     bool together;
+    /* Every event is followed by a solution of the whole box to the solver's tolerance.
+     * Otherwise model bond brings patches around the events into equilibrium, and the box
+     * after every few dozen bonds, to 1 % of the stretch of a bond that breaks. */
+    bool every_event;
     int stiffness_every; /* steps between full stiffness tensors; 0: the last step only */
     /* Bit a: component a of the strain is found, so that its macro stress is zero; strain[a]
      * is 0 then. Not all components. */

@@ -47,6 +47,18 @@ static bool bound_energy(energy_bound *b, double rz, ph_cg_report *rep)
     return rep->energy_left <= rep->energy_most;
 }
 
+/* What the last steps have gained; true if that is little enough to stop. */
+static bool little_gained(double gained[PH_CG_LOOK_BACK], double gain, ph_cg_report *rep)
+{
+    double sum = 0.0;
+    gained[rep->iterations % PH_CG_LOOK_BACK] = gain;
+    if (rep->look_back <= 0 || rep->iterations < rep->look_back) return false;
+    for (int i = 0; i < rep->look_back; i++)
+        sum += gained[(rep->iterations - i) % PH_CG_LOOK_BACK];
+    rep->energy_left = sum;
+    return sum <= rep->energy_most;
+}
+
 /* A guess with a larger residual than this share of the load is worse than zero: what it
  * leaves is rough. Measured: docs/theory/cracks.md. */
 static const double poor_guess = 0.1;
@@ -78,6 +90,7 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
     rep->residual = b2 > 0.0 ? 1.0 : 0.0;
     rep->energy = rep->energy_left = 0.0;
     energy_bound bound = {0};
+    double gained[PH_CG_LOOK_BACK];
     if (!isfinite(b2))
         return ph_i_give_up(PH_ESINGULAR, rep, "the load is not finite", err);
     if (!take_guess(s, b2, x, r, p, q, rep)) memset(x, 0, bytes);
@@ -104,6 +117,7 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
         rep->residual = sqrt(r2 / b2);
         if (!isfinite(r2))
             return ph_i_give_up(PH_ESINGULAR, rep, "the iteration overflowed", err);
+        if (little_gained(gained, bound.alpha * rz, rep)) return PH_OK;
         if (ph_i_told_to_stop(rep))
             return ph_i_give_up(PH_ECANCELLED, rep, "interrupted", err);
     }

@@ -13,6 +13,8 @@ typedef struct ph_linear {
     void (*precondition)(void *self, const double *r, double *z); /* z = M r */
 } ph_linear;
 
+enum { PH_CG_LOOK_BACK = 8 };
+
 /** Where to stop, what to tell, what came out. */
 typedef struct ph_cg_report {
     double tolerance; /* in: relative residual |r| <= tolerance |b|, 2-norms */
@@ -27,6 +29,11 @@ typedef struct ph_cg_report {
      * Gauss-Radau bounds what is left from above [Golub2010] ch. 12, [Meurant2013]. */
     double least;       /* in: 0: no bound is known, and energy_left is not set */
     double energy_most; /* in: stop as well once energy_left is not above; 0: do not */
+    /* in: > 0, where no bound is known: stop as well once so many steps have lowered the
+     * energy of the error by no more than energy_most, which was then all that was left
+     * before them but for what later ones would add [Golub2010]; at most
+     * PH_CG_LOOK_BACK */
+    int look_back;
     double energy; /* out: x_k.A.x_k = x.A.x - energy_left, where nothing is guessed */
     double energy_left; /* out: upper bound, or 0 where a solver is not this one */
 } ph_cg_report;

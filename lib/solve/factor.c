@@ -6,6 +6,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Below so many unknowns the threads of BLAS cost more than they gain. */
+enum { small = 8192 };
+
 struct ph_factor {
     cholmod_common common;
     cholmod_factor *L;
@@ -32,6 +35,7 @@ ph_status ph_i_factor_new(const ph_csc *m, ph_factor **out, ph_error *err)
     cholmod_common *c = &f->common;
     cholmod_start(c);
     c->print = 0;
+    if (m->n <= small) c->supernodal = CHOLMOD_SIMPLICIAL;
     c->final_ll = 1; /* L L^T: fails where L D L^T would go on with a negative pivot */
     f->n = (size_t)m->n;
     cholmod_sparse a = {.nrow = f->n,
@@ -88,20 +92,27 @@ size_t ph_i_factor_bytes(const ph_factor *f)
 
 ph_status ph_i_factor_solve(ph_factor *f, const double *b, double *x, ph_error *err)
 {
+    return ph_i_factor_solve_all(f, 1, b, x, err);
+}
+
+ph_status ph_i_factor_solve_all(ph_factor *f, int count, const double *b, double *x,
+                                ph_error *err)
+{
     ph_status st = PH_OK;
+    size_t all = f->n * (size_t)count;
     double *copy = NULL; /* CHOLMOD's interface is not const */
-    PH_ALLOC(copy, f->n, "a right-hand side");
-    memcpy(copy, b, f->n * sizeof *copy);
+    PH_ALLOC(copy, all, "a right-hand side");
+    memcpy(copy, b, all * sizeof *copy);
     cholmod_dense rhs = {.nrow = f->n,
-                         .ncol = 1,
-                         .nzmax = f->n,
+                         .ncol = (size_t)count,
+                         .nzmax = all,
                          .d = f->n,
                          .x = copy,
                          .xtype = CHOLMOD_REAL,
                          .dtype = CHOLMOD_DOUBLE};
     cholmod_solve2(CHOLMOD_A, f->L, &rhs, NULL, &f->x, NULL, &f->y, &f->e, &f->common);
     PH_TRY(translate(&f->common, "solve with", err));
-    memcpy(x, f->x->x, f->n * sizeof *x);
+    memcpy(x, f->x->x, all * sizeof *x);
 out:
     free(copy);
     return st;

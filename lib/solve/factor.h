@@ -18,5 +18,8 @@ double ph_i_factor_condition(const ph_factor *factor);
 size_t ph_i_factor_bytes(const ph_factor *factor);
 /** x = A^-1 b, [n]. @return PH_OK; PH_ENOMEM. */
 ph_status ph_i_factor_solve(ph_factor *factor, const double *b, double *x, ph_error *err);
+/** The same for several at once, [count][n]. */
+ph_status ph_i_factor_solve_all(ph_factor *factor, int count, const double *b, double *x,
+                                ph_error *err);
 
 #endif

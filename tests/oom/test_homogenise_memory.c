@@ -161,10 +161,10 @@ static void failure(void **state)
 {
     (void)state;
     static const char *const kinds[] = {"bond", "nosb"};
-    static const double to[] = {0.5}, times[] = {1.0};
-    for (int i = 0; i < 6; i++) {
+    static const double to[] = {0.5}, times[] = {1.0}, small[] = {0.036};
+    for (int i = 0; i < 7; i++) { /* the last one has room for patches */
         ph_error err = PH_ERROR_INIT;
-        ptrdiff_t n[2] = {6, 6};
+        ptrdiff_t side = i == 6 ? 24 : 6, n[2] = {side, side};
         double size[2] = {1, 1}, v[2][3] = {{0.2, 0.55, 0}, {0.6, 0.55, 0}};
         ph_grid g;
         ph_material m;
@@ -185,12 +185,12 @@ static void failure(void **state)
         const ph_failure f = {.material = &rule};
         const ph_loading l = {.strain = {0, 1, 0},
                               .ntargets = 1,
-                              .to = to,
+                              .to = i == 6 ? small : to,
                               .steps = 2,
-                              .window = 1.0,
+                              .window = i == 6 ? 0.01 : 1.0,
                               .stiffness_every = 1,
                               .stress_free = i == 2 || i == 3 ? 1 : 0,
-                              .times = i >= 4 ? times : NULL};
+                              .times = i == 4 || i == 5 ? times : NULL};
         world w = {
             .problem = {.micro = micro,
                         .model = {.kind = kinds[i % 2], .horizon = 1.5},
