@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const size_t default_cache = (size_t)128 << 20;
-static const double default_window = 1e-3;
+static const double default_window = 0.01;
 enum { DEFAULT_TANGENTS = 8 };
 
 /* ---- the RVE ----------------------------------------------------------------------------- */

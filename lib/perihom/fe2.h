@@ -20,7 +20,7 @@ typedef enum ph_fe2_kind {
 typedef struct ph_fe2_params {
     size_t cache_bytes; /* for histories on which no point stands; 0: 128 MiB */
     int tangents;       /* lengths of step whose tangents are kept; 0: 8 */
-    double window;      /* of an event, see ph_loading; 0: 1e-3 */
+    double window;      /* of an event, see ph_loading; 0: 0.01 */
 } ph_fe2_params;
 
 /** An RVE and all that its points share. Never changes to the eye: any number of threads may

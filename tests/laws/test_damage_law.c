@@ -380,6 +380,7 @@ static ph_result *broken_plate(const char *kind, bool cracked, double sign)
                           .to = targets,
                           .steps = LOADS,
                           .window = 0.1,
+                          .every_event = true, /* stresses to the tolerance */
                           .stiffness_every = 1};
     ph_problem p = {.micro = micro,
                     .model = {.kind = kind, .horizon = 2},

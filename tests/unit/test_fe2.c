@@ -307,8 +307,11 @@ static void as_loading(void **state)
         if (i % 2) b.problem.model = (ph_model_params){.horizon = 2.0};
         if (i / 2) b.problem.constraint.kind = "linear_displacement";
         const double to = 0.02, de[3] = {0.2 * to / STEPS, to / STEPS, 0.3 * to / STEPS};
-        const ph_loading l = {
-            .strain = {0.2, 1, 0.3}, .ntargets = 1, .to = &to, .steps = STEPS};
+        const ph_loading l = {.every_event = true,
+                              .strain = {0.2, 1, 0.3},
+                              .ntargets = 1,
+                              .to = &to,
+                              .steps = STEPS};
         ph_problem run = b.problem;
         run.loading = &l;
         ph_result *res = NULL;
