@@ -53,7 +53,8 @@ static ph_status walk_steps(ph_walk *w, ph_error *err)
     for (int i = 1; i <= last; i++) {
         int t = (i - 1) / l->steps, k = (i - 1) % l->steps + 1;
         double from = t > 0 ? l->to[t - 1] : 0.0, share = (double)k / l->steps;
-        PH_TRY(ph_i_walk_to(w, k == l->steps ? l->to[t] : from + share * (l->to[t] - from),
+        PH_TRY(ph_i_walk_to(w,
+                            k == l->steps ? l->to[t] : from + share * (l->to[t] - from),
                             i == last, err));
         keep_step(w, i);
         if (!ph_i_wants_stiffness(l, i)) continue;

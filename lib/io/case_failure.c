@@ -12,9 +12,9 @@ static const char *const rule_keys[] = {"fracture_energy", "criterion",
                                         "weibull"};
 static const char *const criteria[] = {"critical_stretch", "bond_energy"};
 static const char *const loading_keys[] = {
-    "strain",        "stress", "stress_free", "to",    "times",
-    "rate",          "steps",  "window",      "break", "equilibrium", "stiffness_every",
-    "pictures_every"};
+    "strain", "stress",      "stress_free",     "to",
+    "times",  "rate",        "steps",           "window",
+    "break",  "equilibrium", "stiffness_every", "pictures_every"};
 static const char *const break_names[] = {"events", "together"};
 static const char *const equilibrium_names[] = {"patches", "every_event"};
 
