@@ -101,8 +101,8 @@ ph_status ph_i_companion_build(ph_i_companion *k, ph_error *err)
     PH_TRY(k->c->voxels.file[0] ? build_voxels(k, err) : build_shapes(k, err));
     PH_TRY(ph_rve_cracks(&k->coarse, &k->plan, err));
     k->coarse_problem.micro = k->micro;
-    k->coarse_problem.cracks = &k->plan->cracks;
-    k->coarse_problem.sequence = &k->plan->sequence;
+    if (k->problem->cracks) k->coarse_problem.cracks = &k->plan->cracks;
+    if (k->problem->sequence) k->coarse_problem.sequence = &k->plan->sequence;
 out:
     return st;
 }

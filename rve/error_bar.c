@@ -126,6 +126,8 @@ out:
 static ph_status judge(evidence *v, ph_error_bar *bar, ph_error *err)
 {
     ph_status st = PH_OK;
+    v->e.by_centres = v->result->interface == PH_INTERFACE_NODE_CENTRE &&
+                      v->k.coarse_problem.interface == PH_INTERFACE_NODE_CENTRE;
     PH_TRY(ph_error_bar_estimate(&v->e, bar, err));
     bar->seconds = v->k.seconds;
     bar->iterations = v->k.iterations;

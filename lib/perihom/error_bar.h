@@ -21,6 +21,7 @@ typedef struct ph_error_evidence {
     const ph_sym4 *coarse;
     double ratio;
     const char *no_coarse; /* why there is none */
+    bool by_centres;       /* both grids take the phase at the centre of a cell */
     /* two tensors of the coarse grid: of this horizon, and of half of it */
     const ph_sym4 *horizon, *half_horizon;
     const char *no_horizon;
@@ -56,7 +57,7 @@ typedef struct ph_error_constant {
     char name[16]; /* of ph_quantity_find */
     double value;
     double bar;        /* 95 %; NaN: not estimated */
-    double richardson; /* value extrapolated to spacing zero at first order; NaN: none */
+    double richardson; /* value extrapolated to spacing zero, order 1.7; NaN: none */
     double part[PH_MAX_ERROR_PARTS]; /* in the order of ph_error_parts; NaN: none */
     const char *why;                 /* bar is NaN, or NULL */
 } ph_error_constant;

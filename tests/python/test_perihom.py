@@ -44,6 +44,11 @@ def same_as_the_program():
     with tempfile.TemporaryDirectory() as folder:
         out = subprocess.run([program, "run", path, "--set", "microstructure.nodes=[32, 32]", "--json", "-q", "-o",
                               os.path.join(folder, "r")], check=True, stdout=subprocess.PIPE).stdout
+    quality = json.loads(out)["quality"]
+    barred = perihom.run(path, {"microstructure.nodes": [32, 32]}, error_bar=True)
+    assert barred.error_bar == {k: v for k, v in quality["error_bar"].items() if v is not None} and not r.error_bar
+    assert barred.error_parts["solver"] == quality["error_parts"]["solver"] and barred.richardson == quality["richardson"]
+    raises(ValueError, lambda: perihom.homogenise(blob(), error_bar=True), "case")
     document = json.loads(out)["effective"]
     assert np.array_equal(r.stiffness, document["stiffness"])  # 17 digits: the same bits
     assert r.engineering["E1"] == document["engineering"]["E1"]

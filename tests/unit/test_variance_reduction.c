@@ -2,6 +2,8 @@
 /* Campaigns with cheaper models: what is read, what comes out, and that it is the same however
  * it was computed. */
 #define _XOPEN_SOURCE 700 /* nftw */
+#include <jansson.h>
+
 #include "folder.h"
 
 #include <perihom_campaign.h>
@@ -308,6 +310,27 @@ static void test_total_error(void **state)
     CHECK_END();
 }
 
+/* The error bar of a mean: sampling and grid in full, relative. */
+static void check_error_bar(const char *text, const char *name, const ph_campaign_mean *m)
+{
+    json_t *document = json_loads(text, 0, NULL), *parts;
+    json_t *point = json_array_get(json_object_get(document, "points"), 0);
+    double sampling = m->mean.half_width / m->mean.mean,
+           grid = (fabs(m->bias.estimate) + m->bias.half_width) / m->mean.mean;
+    CHECK(m->bias.n > 0 && sampling > 0);
+    CHECK_REL(
+        json_number_value(json_object_get(json_object_get(point, "error_bar"), name)),
+        sampling + grid, 1e-14);
+    parts = json_object_get(point, "error_parts");
+    CHECK_REL(
+        json_number_value(json_object_get(json_object_get(parts, "sampling"), name)),
+        sampling, 1e-14);
+    CHECK_REL(json_number_value(
+                  json_object_get(json_object_get(parts, "discretisation"), name)),
+              grid, 1e-14);
+    json_decref(document);
+}
+
 /* The same bits from three workers, and from a file of which half is gone. */
 static void test_total_error_is_pure(void **state)
 {
@@ -330,6 +353,7 @@ static void test_total_error_is_pure(void **state)
     CHECK(strcmp(text[0], text[1]) == 0 && strcmp(text[0], text[2]) == 0);
     CHECK(strstr(text[0], "\"discretisation\"") && strstr(text[0], "\"relative_error\""));
     CHECK(strstr(text[0], "\"ratio\": 2.0"));
+    check_error_bar(text[0], c->output[0].name, &r[0]->point[0].output[0]);
     for (int k = 0; k < 3; k++) {
         free(text[k]);
         ph_campaign_result_free(&r[k]);

@@ -80,6 +80,8 @@ typedef struct { const ph_failure_rule *material; ph_failure_rule interphase, ag
 typedef struct { const ph_microstructure *micro; int interface; ph_model_params model;
                  ph_constraint_params constraint; ph_solver_params solver; unsigned loads; bool keep_fields;
                  const ph_failure *failure; ...; } ph_problem;
+typedef struct { char name[16]; double value, bar, richardson; double part[12]; const char *why; ...; } ph_error_constant;
+typedef struct ph_error_bar { int count; ph_error_constant constant[40]; char why[12][200]; double seconds; ...; } ph_error_bar;
 typedef struct { int load; double macro_strain[6]; int nu, ns; double *displacement, *strain, *stress; ...; } ph_fields;
 typedef struct { long loads, iterations, applications, ffts; ptrdiff_t collar; size_t history_variables, bond_bits,
                  peak_bytes; } ph_work;
@@ -88,9 +90,13 @@ typedef struct { ph_grid grid; ph_sym4 stiffness; unsigned loads; ph_sym4 voigt,
                  double horizon; int nloads; int iterations[6]; double residual[6]; bool converged; double hill_mandel,
                  strain_average, asymmetry, stabilisation_energy; ph_work work; double seconds,
                  seconds_solve; int threads; int nnotes; char notes[...][256]; int nfields;
-                 ph_fields *fields; ...; } ph_result;
+                 ph_fields *fields; struct ph_error_bar *error_bar; ...; } ph_result;
 ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx, ph_result **out, ph_error *err);
 void ph_result_free(ph_result **result);
+
+typedef struct { ph_entry info; ...; } ph_error_part;
+extern const ph_error_part ph_error_parts[];
+extern const size_t ph_nerror_parts;
 
 typedef struct { const char *route; double tolerance; int max_points; ...; } ph_relaxation_params;
 typedef struct { double s, error; int iterations, added; ...; } ph_carson_point;
@@ -188,12 +194,15 @@ ph_status ph_rve_cracks(const ph_case *c, ph_crack_plan **out, ph_error *err);
 void ph_crack_plan_free(ph_crack_plan **plan);
 ph_problem ph_rve_problem(const ph_case *c, const ph_microstructure *micro, const ph_crack_plan *plan);
 
+ph_status ph_rve_error_bar(const ph_case *c, const ph_problem *problem, const ph_ctx *ctx, ph_result *result,
+                           ph_error *err);
 void free(void *);
 extern "Python" bool perihom_progress(void *user, const ph_progress *now);
 """
 
 SOURCE = """
 #include <perihom.h>
+#include <perihom_error_bar.h>
 #include <perihom_rve.h>
 """
 

@@ -292,7 +292,10 @@ class Case:
         return relaxation(self.microstructure(realisation), case=self, **options)
 
     def run(self, realisation: Optional[int] = None, **options) -> "Result":
-        """Build and solve; options as those of `homogenise` that are not the case's."""
+        """Build and solve; options as those of `homogenise` that are not the case's.
+
+        error_bar: solve the companions of the case too, see `Result.error_bar`.
+        """
         return homogenise(self.microstructure(realisation), case=self, **options)
 
     def __repr__(self):
@@ -371,6 +374,27 @@ class Result:
         return {"hill_mandel": self._c.hill_mandel, "strain_average": self._c.strain_average,
                 "asymmetry": self._c.asymmetry, "stabilisation_energy": self._c.stabilisation_energy}
 
+    def _error_constants(self):
+        bar = self._c.error_bar
+        return [bar.constant[i] for i in range(bar.count)] if bar != ffi.NULL else []
+
+    @property
+    def error_bar(self) -> dict:
+        """Relative error (95 %) of every constant that has one; empty unless asked for (`error_bar=True`)."""
+        return {_text(k.name): k.bar for k in self._error_constants() if k.bar == k.bar}
+
+    @property
+    def error_parts(self) -> dict:
+        """What it consists of: part -> constant -> relative error."""
+        names = [_text(lib.ph_error_parts[i].info.name) for i in range(lib.ph_nerror_parts)]
+        return {name: {_text(k.name): k.part[i] for k in self._error_constants() if k.part[i] == k.part[i]}
+                for i, name in enumerate(names)}
+
+    @property
+    def richardson(self) -> dict:
+        """Constants extrapolated to spacing zero."""
+        return {_text(k.name): k.richardson for k in self._error_constants() if k.richardson == k.richardson}
+
     @property
     def iterations(self) -> list:
         return [self._c.iterations[i] for i in range(self._c.nloads)]
@@ -433,19 +457,27 @@ def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Option
                points: Optional[str] = None, horizon: Optional[float] = None, constraint: Optional[str] = None,
                solver: Optional[str] = None, interface: Optional[str] = None, tolerance: Optional[float] = None,
                loads: Optional[Iterable[int]] = None, fields: Optional[bool] = None, threads: int = 0,
-               progress: Optional[Callable[[int, int, int, float], Any]] = None) -> Result:
+               progress: Optional[Callable[[int, int, int, float], Any]] = None, error_bar: bool = False) -> Result:
     """Effective stiffness of a microstructure.
 
     case: where settings come from that are not given here; without it, the defaults.
     model, points, horizon (in spacings), constraint, solver, interface, tolerance: as in a case file.
     loads: macro strains 0 .. 5 to solve, default all; fields: keep displacement, strain, stress.
     progress(load, loads, iteration, residual): called each iteration; False stops.
+    error_bar: solve the companions of `case`, which `micro` must be of, see `Result.error_bar`.
     Raises Error; KeyboardInterrupt inside `progress` stops the solve and is raised again.
     """
+    if error_bar and case is None:
+        raise ValueError("error bars are those of a case: a coarser grid is built from it")
     problem, _keep = _problem(micro, case, model, points, horizon, constraint, solver, interface, tolerance, loads, fields)
     out = ffi.new("ph_result **")
-    _call(lambda ctx, err: lib.ph_homogenise(problem, ctx, out, err), threads, progress,
-          lambda: lib.ph_result_free(out))
+
+    def solve(ctx, err):
+        status = lib.ph_homogenise(problem, ctx, out, err)
+        if error_bar and status == 0:
+            status = lib.ph_rve_error_bar(case._c, problem, ctx, out[0], err)
+        return status
+    _call(solve, threads, progress, lambda: lib.ph_result_free(out))
     return Result(out[0], case, micro)
 
 
