@@ -2,9 +2,9 @@
 /* Campaigns with cheaper models: what is read, what comes out, and that it is the same however
  * it was computed. */
 #define _XOPEN_SOURCE 700 /* nftw */
-#include <jansson.h>
-
 #include "folder.h"
+
+#include <jansson.h>
 
 #include <perihom_campaign.h>
 
