@@ -101,6 +101,7 @@ static void make_ladder(ph_i_trade *s)
         if (between && own < here) s->rung[s->nrungs++] = own;
         s->rung[s->nrungs++] = here;
     }
+    if (s->nrungs == 0) s->nrungs = 1; /* the finest shows no fillers: the case alone */
 }
 
 /* "[128, 128]" */

@@ -252,6 +252,28 @@ static void test_budget_skips(void **state)
     CHECK_END();
 }
 
+/* No grid that is allowed shows the fillers: the case as it is stays, and is the reference. */
+static void test_no_grid_at_all(void **state)
+{
+    (void)state;
+    static const char fillers[] =
+        "perihom: 1\n"
+        "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.2}}\n"
+        "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [32, 32],\n"
+        "  matrix: m, fillers: [{shape: particle, material: f, volume_fraction: 0.1,\n"
+        "  size: 0.2, placement: {gap: 0.01}}]}\n";
+    static const char *const knob = "nodes";
+    ph_error err = PH_ERROR_INIT;
+    ph_trade *t = NULL;
+    const ph_trade_params p = {
+        .path = write_case(fillers), .knobs = &knob, .nknobs = 1, .finest = 6};
+    CHECK_OK(ph_trade_run(&p, &t, NULL, &err));
+    CHECK(t && t->nrows == 1 && t->row[0].nodes == 32 * 32 && t->row[0].error == 0);
+    CHECK(t && strstr(t->reference_kind, "as it is"));
+    ph_trade_free(&t);
+    CHECK_END();
+}
+
 static ph_status refuse(ph_trade_params p, ph_error *err)
 {
     ph_trade *t = NULL;
@@ -344,6 +366,7 @@ int main(void)
                                         tear_down),
         cmocka_unit_test_setup_teardown(test_advice_holds, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_budget_skips, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_no_grid_at_all, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_what_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_documents, set_up, tear_down),
         cmocka_unit_test(test_work_follows_the_counters),
