@@ -79,7 +79,7 @@ PH_API ph_status ph_fidelity_plan_case(const ph_case *c, ph_fidelity_plan *out,
  *
  *  A grid by the plan and one of about half its nodes; r the ratio of their nodes,
  *
- *      d = (C(n) - C(n/r)) / (r - 1),   offered C(n) + d/2,   error estimated as 0.7 |d|
+ *      d = (C(n) - C(n/r)) / (r - 1),   offered C(n) + d/2,   error estimated as 0.8 |d|
  *
  *  d is the error of C(n) under a first-order law, and half of it what is safe to take away.
  *  Where the estimate is larger than asked for, the next grid is the one that the law expects

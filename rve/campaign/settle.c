@@ -58,7 +58,7 @@ static ph_status find_grid(const ph_campaign *c, double wanted, const ph_ctx *ct
     for (int p = 0; p < c->npoints; p++) {
         PH_TRY(pilot(c, p, wanted, ctx, &f, err));
         double n = (double)ph_i_fidelity_longest(f->nodes);
-        slope = fmax(slope, (f->improved ? f->error / 0.7 : f->error) * n);
+        slope = fmax(slope, (f->improved ? f->error / PH_I_ESTIMATED : f->error) * n);
         if (n > finest) memcpy(s->nodes, f->nodes, sizeof s->nodes);
         finest = fmax(finest, n);
         s->pilots++;
@@ -113,7 +113,7 @@ ph_status ph_campaign_settle(ph_campaign **c, const char *const *sets, size_t ns
     int axes = ph_i_fidelity_axes((*c)->point[0].c);
     double share = s.accuracy * axes / (axes + 2);
     /* The estimate is that of the extrapolated value; a realisation has its whole error. */
-    for (double wanted = 0.7 * share;; wanted *= 0.5) {
+    for (double wanted = PH_I_ESTIMATED * share;; wanted *= 0.5) {
         s.pilots = 0;
         PH_TRY(find_grid(*c, wanted, ctx, &s, err));
         if (s.grid <= (1 - least_left) * s.accuracy) break;

@@ -7,6 +7,10 @@
 
 #include <perihom_fidelity.h>
 
+/* Error of the offered value over the first-order step that half of is taken; from random cells,
+ * docs/accuracy-costs.md. */
+#define PH_I_ESTIMATED 0.8
+
 /* ---- plan.c */
 
 /** A reason, at the end of the list. */

@@ -8,8 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-static const double taken = 0.5;     /* of the first-order step, into the offered value */
-static const double estimated = 0.7; /* of it: the error of that value */
+static const double taken = 0.5; /* of the first-order step, into the offered value */
 static const double least_step = 1.2; /* nodes of the next grid over those of this */
 static const double most_step = 4;
 static const double more_bytes = 1.1;
@@ -171,7 +170,7 @@ static double judge(const search *s, ph_sym4 *offered, bool *improved)
         if (!(value_of(s, q, offered) > 0) && on_fine > 0) *improved = false;
     }
     if (!*improved) *offered = fine->stiffness;
-    return (*improved ? estimated : 1) * worst / (ratio - 1);
+    return (*improved ? PH_I_ESTIMATED : 1) * worst / (ratio - 1);
 }
 
 /* ---- the budget ---- */
@@ -328,7 +327,7 @@ static ph_status put_bars(search *s, ph_error *err)
     ph_result *r = s->fine.result;
     ph_error_bar *bar = NULL;
     double ratio = (double)s->fine.n / (double)s->coarse.n,
-           left = s->f->improved ? estimated : 1;
+           left = s->f->improved ? PH_I_ESTIMATED : 1;
     ph_sym4 step = ph_sym4_combine(1, fine, -1, coarse),
             companion = ph_sym4_combine(1, &r->stiffness, -left, &step);
     const ph_error_evidence e = {
