@@ -8,6 +8,8 @@
 
 /* Fewer nodes along an axis show no microstructure. */
 enum { LEAST_NODES = 2 };
+/* Of a companion with more nodes than the case: what is solved within seconds. */
+static const double most_finer_cells = 1048576;
 
 void ph_i_companion_clear(ph_i_companion *k)
 {
@@ -70,15 +72,52 @@ out:
     return st;
 }
 
+/* Fillers drawn node by node are squares of the grid that they were drawn on: grids that
+ * divide those squares show them. */
+static bool shows_nodes(const ph_case *c)
+{
+    for (int a = 0; a < 3; a++)
+        if (c->drawn_on[a] > 0 && c->nodes[a] % c->drawn_on[a]) return false;
+    return true;
+}
+
+/* Half the spacing. The horizon keeps its length, which is that of the interphase. */
+static const char *refine(ph_i_companion *k)
+{
+    const ph_grid *g = &k->problem->micro->grid;
+    double cells = 1.0, spacing = 0.0;
+    for (int a = 0; a < 3; a++) {
+        k->coarse.nodes[a] = g->n[a] > 1 ? 2 * g->n[a] : g->n[a];
+        cells *= (double)k->coarse.nodes[a];
+        if (g->n[a] > 1) spacing = fmax(spacing, g->size[a] / (double)g->n[a]);
+    }
+    k->ratio = 0.5;
+    if (cells > most_finer_cells)
+        return "fillers are drawn node by node: no coarser grid shows them, and a finer "
+               "one "
+               "has too many nodes";
+    ph_model_params *m = &k->coarse_problem.model;
+    if (m->horizon > 0.0 && !m->horizon_is_length) {
+        m->horizon *= spacing;
+        m->horizon_is_length = true;
+    }
+    return NULL;
+}
+
 static ph_status build_shapes(ph_i_companion *k, ph_error *err)
 {
     ph_status st = PH_OK;
     if (k->c->nfillers > 0 && k->c->drawn_on[0] == 0)
         memcpy(k->coarse.drawn_on, k->c->nodes, sizeof k->coarse.drawn_on);
     PH_TRY(ph_rve_generate(&k->coarse, &k->micro, &k->packing, err));
-    if (draws_nodes(k->packing))
-        snprintf(k->why, sizeof k->why,
-                 "fillers are drawn node by node: a coarser grid does not show them");
+    if (!draws_nodes(k->packing) || shows_nodes(&k->coarse)) return PH_OK;
+    ph_microstructure_free(&k->micro);
+    ph_packing_free(&k->packing);
+    const char *no = refine(k);
+    if (no)
+        snprintf(k->why, sizeof k->why, "%s", no);
+    else
+        PH_TRY(ph_rve_generate(&k->coarse, &k->micro, &k->packing, err));
 out:
     return st;
 }

@@ -122,7 +122,7 @@ static void judge(const ph_error_evidence *e, const ph_quantity *q, unsigned par
     } else {
         add_up(e, q, parts, bar, k);
     }
-    if (isfinite(k->value) && e->coarse && e->ratio > 1.0)
+    if (isfinite(k->value) && e->coarse && e->ratio > 0.0 && e->ratio != 1.0)
         k->richardson = k->value + (k->value - ph_i_error_value(e, q, e->coarse)) /
                                        (pow(e->ratio, observed_order) - 1.0);
 }

@@ -59,14 +59,14 @@ static double apart(const ph_error_evidence *e, const ph_quantity *q, const ph_s
 
 static const char *no_coarse(const ph_error_evidence *e)
 {
-    if (e->coarse && e->ratio > 1.0) return NULL;
+    if (e->coarse && e->ratio > 0.0 && e->ratio != 1.0) return NULL;
     return e->no_coarse ? e->no_coarse : "nothing was solved on a coarser grid";
 }
 
 static double discretisation(const ph_error_evidence *e, const ph_quantity *q,
                              double value)
 {
-    return apart(e, q, ph_i_error_tensor(e), e->coarse, value) / (e->ratio - 1.0);
+    return apart(e, q, ph_i_error_tensor(e), e->coarse, value) / fabs(e->ratio - 1.0);
 }
 
 /* ---- stabilisation: what of it is in the energy ---- */

@@ -17,7 +17,7 @@ typedef struct ph_error_evidence {
     const ph_result *result;  /* bounds, loads, residuals, energy of the stabilisation */
     const ph_sym4 *stiffness; /* what is judged; NULL: the stiffness of the result */
     const double *stabilisation; /* its share of the energy; NULL: that of the result */
-    /* the same on a grid whose spacing is `ratio` times as wide */
+    /* the same on a grid whose spacing is `ratio` times as wide; below 1 it is finer */
     const ph_sym4 *coarse;
     double ratio;
     const char *no_coarse; /* why there is none */

@@ -212,12 +212,57 @@ static void test_loose_tolerances(void **state)
     CHECK_END();
 }
 
+/* Fillers drawn node by node have their companion on a grid twice as fine, with the same
+ * fillers and the same length of the horizon. The bars hold what four times the nodes give,
+ * whose own error is a quarter of theirs or less. On a grid that the fillers were not drawn
+ * on, and that can be halved and still show them, the companion is the coarser one. */
+static void test_fillers_by_nodes(void **state)
+{
+    (void)state;
+    static const char head[] =
+        "perihom: 1\nmaterials: {m: {E: 1, nu: 0.3333333333333333}, "
+        "i: {E: 20, nu: 0.3333333333333333}}\n"
+        "microstructure:\n  dimension: 2\n  plane: stress\n  size: [24, 24]\n"
+        "  matrix: m\n  interface: node_centre\n  fillers:\n"
+        "    - {shape: platelet, material: i, volume_fraction: 0.1, thickness: 1, "
+        "aspect_ratio: 8, placement: {overlap: true}, counting: nodes}\n";
+    char own[1200] = "", finest[1200] = "", drawn[1200] = "";
+    put(own, sizeof own, "%s  nodes: [24, 24]\nmodel: {kind: bond, horizon: 2}\n", head);
+    put(drawn, sizeof drawn,
+        "%s  nodes: [48, 48]\n  drawn_on: [24, 24]\n"
+        "model: {kind: bond, horizon: {length: 2}}\n",
+        head);
+    put(finest, sizeof finest,
+        "%s  nodes: [96, 96]\n  drawn_on: [24, 24]\n"
+        "model: {kind: bond, horizon: {length: 2}}\n",
+        head);
+    ph_result *r = solve(own, 0), *d = solve(drawn, 0), *truth = solve(finest, 0);
+    CHECK(r && d && truth && r->error_bar && d->error_bar && truth->error_bar);
+    if (r && d && truth && r->error_bar && d->error_bar && truth->error_bar) {
+        CHECK(r->error_bar->nodes[0] == 48 && r->error_bar->ratio == 0.5);
+        CHECK(d->error_bar->nodes[0] == 24 && d->error_bar->ratio == 2.0);
+        static const char *const name[] = {"E1", "E2", "nu12", "G12"};
+        for (int i = 0; i < 4; i++) {
+            const ph_error_constant *x = ph_error_bar_find(truth->error_bar, name[i]),
+                                    *a = ph_error_bar_find(r->error_bar, name[i]),
+                                    *b = ph_error_bar_find(d->error_bar, name[i]);
+            CHECK(fabs(a->value - x->value) < a->bar * a->value);
+            CHECK(fabs(b->value - x->value) < b->bar * b->value);
+        }
+    }
+    ph_result_free(&truth);
+    ph_result_free(&d);
+    ph_result_free(&r);
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_holds_the_truth),
         cmocka_unit_test(test_exact_cases),
         cmocka_unit_test(test_loose_tolerances),
+        cmocka_unit_test(test_fillers_by_nodes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
