@@ -121,7 +121,9 @@ static ph_status solve_to_accuracy(run *r, ph_error *err)
     progress p;
     progress_start(&p, progress_choose(o->quiet, o->verbose, o->progress));
     const ph_ctx ctx = {.progress = progress_step, .user = &p, .threads = o->threads};
-    ph_status st = ph_fidelity_solve(r->c, &ctx, &r->fidelity, err);
+    ph_case mine = *r->c; /* borrows the arrays; no grid is larger than the machine */
+    if (mine.accuracy.memory == 0) mine.accuracy.memory = memory_here();
+    ph_status st = ph_fidelity_solve(&mine, &ctx, &r->fidelity, err);
     progress_end(&p);
     if (!r->fidelity) return st;
     r->result = r->fidelity->result;

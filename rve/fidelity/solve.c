@@ -116,6 +116,15 @@ out:
     return st;
 }
 
+/* The equations are solved to their tolerance, and yet the tensor is not good enough. */
+static bool is_too_loose(const ph_result *r, double tolerance)
+{
+    double worst = 0;
+    for (int k = 0; r && k < r->nloads; k++)
+        worst = fmax(worst, r->residual[k]);
+    return r && r->nloads > 0 && worst <= tolerance;
+}
+
 /* Solve a grid; with a lower tolerance where the solver's error shows. */
 static ph_status solve_grid(search *s, ptrdiff_t n, solution *out, ph_error *err)
 {
@@ -127,7 +136,8 @@ static ph_status solve_grid(search *s, ptrdiff_t n, solution *out, ph_error *err
         st = solve_once(s, &mine, out, &why);
         bool rough =
             st == PH_OK && out->result->asymmetry > for_solver * s->f->plan.accuracy;
-        if ((st == PH_ENOCONV || rough) && may_tighten(s)) {
+        rough |= st == PH_ENOCONV && is_too_loose(out->result, s->f->tolerance);
+        if (rough && may_tighten(s)) {
             s->f->tolerance = fmax(0.1 * s->f->tolerance, lowest_tolerance);
             continue;
         }
@@ -375,7 +385,15 @@ static ph_status climb(search *s, ph_error *err)
     PH_TRY(begin(s, ph_i_fidelity_longest(f->plan.nodes), err));
     offer(s);
     while (on && !f->reached && s->coarse.n) {
-        PH_TRY(go_on(s, &on, err));
+        ph_error why = PH_ERROR_INIT;
+        st = go_on(s, &on, &why);
+        if (st == PH_ENOCONV) { /* the grid before is what there is */
+            snprintf(f->missing, sizeof f->missing, "the next grid: %.300s", why.msg);
+            st = PH_OK;
+            break;
+        }
+        if (st != PH_OK && err) *err = why;
+        PH_TRY(st);
         if (on) offer(s);
     }
     if (s->coarse.n && s->c->error_parts) PH_TRY(put_bars(s, err));

@@ -168,6 +168,25 @@ static void test_budget(void **state)
     CHECK_END();
 }
 
+/* A finer grid on which the solver gives up: the one before is offered, with the reason. */
+static void test_solver_gives_up(void **state)
+{
+    (void)state;
+    /* 21 iterations on 10 x 20 nodes, 44 on the next grid */
+    const char *sets[] = {"materials.f.E=30", "solver.tolerance=1e-8",
+                          "solver.max_iterations=34", "accuracy.relative=0.01"};
+    ph_error err = PH_ERROR_INIT;
+    ph_case *c = NULL;
+    ph_fidelity *f = NULL;
+    CHECK_OK(ph_case_parse(disk, strlen(disk), "case", sets, 4, &c, NULL, &err));
+    ph_status st = ph_fidelity_solve(c, NULL, &f, &err);
+    CHECK(st == PH_ENOCONV && strstr(err.msg, "iterations"));
+    CHECK(f && f->result && !f->reached && strstr(f->missing, "next grid"));
+    ph_fidelity_free(&f);
+    ph_case_free(&c);
+    CHECK_END();
+}
+
 /* What the case gives stays: nodes and tolerance. */
 static void test_given_settings_stay(void **state)
 {
@@ -262,6 +281,7 @@ int main(void)
         cmocka_unit_test(test_layers_need_no_grid),
         cmocka_unit_test(test_threads_do_not_matter),
         cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_solver_gives_up),
         cmocka_unit_test(test_given_settings_stay),
         cmocka_unit_test(test_tolerance_falls),
         cmocka_unit_test(test_plan),
