@@ -226,6 +226,10 @@ ph_status ph_card_write(const ph_effective *effective, const char *format,
              "format '%s' has no card for a relaxation series; its instantaneous or its "
              "equilibrium tensor can be written instead",
              f->info.name);
+    PH_CHECK(!series || !f->most_terms || series->nterms <= f->most_terms, PH_EUNPHYSICAL,
+             "format '%s' holds %d terms of a relaxation, this one has %d: compress it "
+             "(ph_prony_compress, Series.compress)",
+             f->info.name, f->most_terms, series->nterms);
     if (params->name) PH_TRY(check_name(params->name, err));
     PH_TRY(choose_class(f, &stiffness, series, params, &card.symmetry, err));
     PH_TRY(fill(effective, &stiffness, series, params, &card, err));

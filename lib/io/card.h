@@ -31,6 +31,7 @@ typedef struct ph_card_format {
     bool plane;       /* takes tensors of n = 3 too */
     unsigned relaxes; /* bit ph_symmetry: classes of relaxation series that it can hold */
     void (*write)(FILE *to, const ph_i_card *card);
+    int most_terms; /* of a series, its equilibrium beside; 0: any number */
 } ph_card_format;
 
 extern const ph_card_format ph_i_card_formats[];
