@@ -293,14 +293,18 @@ out:
     return st;
 }
 
-/* The factors of a solver and the lists of the route `bonds` are made once: make them anew.
+/* The factors of a solver, where it cannot change them, and the lists of the route `bonds` are
+ * made once: make them anew.
  * Everything else takes in the damaged nodes in place. */
 ph_status ph_i_run_rebuild(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
+    bool done = !r->solver->keeps_matrix;
     PH_TRY(ph_i_operator_update(r->op, err));
+    if (!done && !r->op->bonds && r->solver->broke)
+        PH_TRY(r->solver->broke(r->state, &done, err));
     ph_i_broken_seen(r->broken);
-    if (!r->solver->keeps_matrix && !r->op->bonds) return PH_OK;
+    if (done && !r->op->bonds) return PH_OK;
     r->solver->free(&r->state);
     if (!r->op->bonds) return r->solver->init(&r->system, &r->state, err);
     int notes = r->result->nnotes; /* they are there already */

@@ -208,7 +208,7 @@ static ph_status factorise(ph_patch *p, ph_error *err)
     for (int c = 0; c < p->n; c++)
         for (int i = m.start[c]; i < m.start[c + 1]; i++)
             if (m.row[i] == c) m.value[i] += hold * most;
-    st = ph_i_factor_new(&m, &p->factor, err);
+    st = ph_i_factor_new(&m, false, &p->factor, err);
     p->made = st == PH_OK;
     if (st == PH_ESINGULAR) {
         if (err) *err = (ph_error)PH_ERROR_INIT;

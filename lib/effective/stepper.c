@@ -324,8 +324,12 @@ ph_status ph_i_stepper_broken(ph_stepper *s, ph_error *err)
         return PH_OK;
     }
     PH_TRY(ph_i_operator_update(r->op, err));
+    bool done = !r->solver->keeps_matrix;
+    if (!done && r->solver->broke &&
+        s->tangent_dt == 0.0) /* that of the jump that follows */
+        PH_TRY(r->solver->broke(r->state, &done, err));
     ph_i_broken_seen(r->broken);
-    if (r->solver->keeps_matrix) s->tangent_dt = (double)NAN;
+    if (!done) s->tangent_dt = (double)NAN;
 out:
     return st;
 }

@@ -218,7 +218,7 @@ static ph_status condense(condensation *c, ph_error *err)
     const ptrdiff_t nb = size_of(c->out);
     double *S = c->out->stiffness, *rhs = NULL;
     if (ni == 0) return PH_OK;
-    PH_TRY(ph_i_factor_new(&c->inside, &c->factor, err));
+    PH_TRY(ph_i_factor_new(&c->inside, false, &c->factor, err));
     PH_ALLOC(rhs, ni, "a right-hand side");
     PH_ALLOC(c->x, ni, "a solution");
     qsort(c->coupling, (size_t)c->ncouplings, sizeof *c->coupling, by_column);
@@ -382,7 +382,7 @@ static ph_status both_stiffnesses(condensation *c, ph_error *err)
     const int n = e->nd * (count - 1);
     if (n > 0) {
         PH_TRY(gather(e, master, n, &pairs, err));
-        PH_TRY(ph_i_factor_new(&pairs, &factor, err));
+        PH_TRY(ph_i_factor_new(&pairs, false, &factor, err));
     }
     for (int a = 0; n > 0 && a < ns; a++)
         PH_TRY(relax_pairs(e, master, factor, n, u[a], f, err));

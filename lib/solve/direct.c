@@ -3,7 +3,12 @@
  * open is held: a node (periodic), as many displacements as there are rigid motions (a free
  * body), and every node without stiffness. The loads are in equilibrium, so that the forces
  * on what is held are zero and the solution is one of the whole system, whose residual is
- * taken with the operator itself. */
+ * taken with the operator itself.
+ *
+ * A spring that breaks is a change of rank one, A - k v v^T with v = xi at one end and -xi at
+ * the other: the factor is downdated. It is made anew where the downdate has left no safe
+ * pivot, as when a piece comes off, and where that costs less. Of `nosb` a bond that breaks
+ * changes the gradients of both ends, and all that they hold: always anew. */
 #include "solve/factor.h"
 #include "solve/solver.h"
 
@@ -15,12 +20,20 @@ enum { MOTIONS = 6, STEPS = 40 };
  * the operator does not see. Then it is made of A + shift * diag A, and what the shift
  * spoils is refined. */
 static const double singular = 1e-13, shift = 1e-9;
+/* An operation of a downdate takes as long as so many of a factorisation, which works on
+ * blocks. Measured, docs/performance.md; a fixed number, so that no bit of a result depends on
+ * the load of the machine. */
+static const double slower = 3.0;
 
 typedef struct direct {
     ph_operator *op;
     ph_meter *meter;
     const ph_setting *setting;
+    const ph_operator_params *params;
+    const ph_broken *broken; /* of springs that may break, or NULL */
     ph_factor *factor;
+    double downdates; /* springs taken out of this factor */
+    int factors;      /* made so far */
     size_t factor_bytes;
     int *unknown; /* [nd][nodes], or -1 */
     int n;
@@ -117,18 +130,19 @@ static ph_status factorise(direct *s, const ph_assembly *list, ph_error *err)
     ph_csc m = {0};
     ph_error first = PH_ERROR_INIT;
     PH_TRY(ph_i_assembly_matrix(list, s->unknown, s->n, &m, err));
-    st = ph_i_factor_new(&m, &s->factor, &first);
+    st = ph_i_factor_new(&m, s->broken != NULL, &s->factor, &first);
     if (st == PH_ESINGULAR ||
         (st == PH_OK && ph_i_factor_condition(s->factor) < singular)) {
         ph_i_factor_free(&s->factor);
         for (int j = 0; j < m.n; j++)
             for (int p = m.start[j]; p < m.start[j + 1]; p++)
                 if (m.row[p] == j) m.value[p] *= 1.0 + shift;
-        st = ph_i_factor_new(&m, &s->factor, err);
+        st = ph_i_factor_new(&m, s->broken != NULL, &s->factor, err);
     } else if (st != PH_OK && err) {
         *err = first;
     }
     if (st != PH_OK) goto out;
+    s->factors++;
     s->factor_bytes = ph_i_factor_bytes(s->factor);
     s->meter->bytes += s->factor_bytes;
     if (s->meter->bytes > s->meter->peak) s->meter->peak = s->meter->bytes;
@@ -137,21 +151,45 @@ out:
     return st;
 }
 
+static void forget(direct *s)
+{
+    s->meter->bytes -= s->factor_bytes;
+    s->factor_bytes = 0;
+    ph_i_factor_free(&s->factor);
+    ph_i_doubles_free(s->meter, &s->rhs, (size_t)s->n);
+    ph_i_doubles_free(s->meter, &s->step, (size_t)s->n);
+    free(s->unknown);
+    s->unknown = NULL;
+    s->n = 0;
+    s->downdates = 0.0;
+}
+
 void ph_i_direct_free(void **state)
 {
     direct *s = *state;
     if (!s) return;
     size_t size = (size_t)field_size(s);
-    s->meter->bytes -= s->factor_bytes;
-    ph_i_factor_free(&s->factor);
+    forget(s);
     ph_i_doubles_free(s->meter, &s->x, size);
     ph_i_doubles_free(s->meter, &s->r, size);
     ph_i_doubles_free(s->meter, &s->q, size);
-    ph_i_doubles_free(s->meter, &s->rhs, (size_t)s->n);
-    ph_i_doubles_free(s->meter, &s->step, (size_t)s->n);
-    free(s->unknown);
     free(s);
     *state = NULL;
+}
+
+/* Number, assemble and factorise what is there now. */
+static ph_status make(direct *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_assembly list = {0};
+    PH_TRY(ph_i_assembly_init(&list, s->op, &s->setting->box, s->params, s->meter, err));
+    PH_TRY(number(s, &list, err));
+    PH_DOUBLES(s->rhs, s->meter, (size_t)s->n, "the right-hand side");
+    PH_DOUBLES(s->step, s->meter, (size_t)s->n, "the correction");
+    PH_TRY(factorise(s, &list, err));
+out:
+    ph_i_assembly_clear(&list);
+    return st;
 }
 
 ph_status ph_i_direct_init(const ph_system *system, void **state, ph_error *err)
@@ -159,29 +197,83 @@ ph_status ph_i_direct_init(const ph_system *system, void **state, ph_error *err)
     ph_status st = PH_OK;
     direct *s = NULL;
     void *self = NULL;
-    ph_assembly list = {0};
     PH_ALLOC(s, 1, "the solver");
     self = s;
     s->op = system->op;
     s->meter = system->meter;
     s->setting = system->setting;
+    s->params = system->params;
+    s->broken = s->op->springs ? system->params->broken : NULL;
     PH_TRY(ph_i_operator_in_space(s->op, err));
     size_t size = (size_t)field_size(s);
     PH_DOUBLES(s->x, s->meter, size, "the solution");
     PH_DOUBLES(s->r, s->meter, size, "the residual");
     PH_DOUBLES(s->q, s->meter, size, "the product");
-    PH_TRY(ph_i_operator_in_space(s->op, err));
-    PH_TRY(ph_i_assembly_init(&list, s->op, &s->setting->box, system->params, s->meter,
-                              err));
-    PH_TRY(number(s, &list, err));
-    PH_DOUBLES(s->rhs, s->meter, (size_t)s->n, "the right-hand side");
-    PH_DOUBLES(s->step, s->meter, (size_t)s->n, "the correction");
-    PH_TRY(factorise(s, &list, err));
+    PH_TRY(make(s, err));
     *state = self;
     self = NULL;
 out:
-    ph_i_assembly_clear(&list);
     ph_i_direct_free(&self);
+    return st;
+}
+
+/* ---- bonds that break ------------------------------------------------------------------ */
+
+/* sqrt(k) (xi at x, -xi at y) on the unknowns, in the order of their numbers. */
+static void spring_column(const direct *s, const ph_fresh_bond *bond, int column,
+                          ph_csc *c)
+{
+    const ph_springs *springs = s->op->springs;
+    const ptrdiff_t nodes = s->op->layout.cells, x = bond->node,
+                    y = ph_i_broken_end(s->broken, x, bond->bond);
+    const double *xi = springs->family->xi[bond->bond];
+    double k = springs->family->w[bond->bond] * ph_i_bond_modulus(springs->classes, x, y);
+    int used = c->start[column];
+    for (int end = 0; end < 2 && x != y; end++)
+        for (int a = 0; a < s->op->layout.nd; a++) {
+            int row = s->unknown[a * nodes + ((end == 0) == (x < y) ? x : y)];
+            bool first = (end == 0) == (x < y);
+            if (row < 0 || xi[a] == 0.0) continue;
+            c->row[used] = row;
+            c->value[used++] = first ? sqrt(k) * xi[a] : -sqrt(k) * xi[a];
+        }
+    c->start[column + 1] = used;
+}
+
+/* Would it be less work to begin again? By what downdates of this factor have taken so far; of
+ * the first as if each took an operation for every entry of the factor. */
+static bool begins_again(const direct *s, double springs)
+{
+    double taken, all = ph_i_factor_flops(s->factor, &taken);
+    double each = s->downdates > 0.0 ? taken / s->downdates
+                                     : (double)s->factor_bytes / sizeof(double);
+    return slower * each * springs > all;
+}
+
+int ph_i_direct_factors(const void *state)
+{
+    return ((const direct *)state)->factors;
+}
+
+ph_status ph_i_direct_broke(void *state, bool *done, ph_error *err)
+{
+    ph_status st = PH_OK;
+    direct *s = state;
+    ph_csc c = {0};
+    *done = false;
+    if (!s->broken || s->broken->healed) return PH_OK;
+    const ptrdiff_t count = s->broken->nrecent;
+    if (count == 0 || begins_again(s, (double)count)) return PH_OK;
+    PH_ALLOC(c.start, count + 1, "columns of broken springs");
+    PH_ALLOC(c.row, 6 * count, "columns of broken springs");
+    PH_ALLOC(c.value, 6 * count, "columns of broken springs");
+    for (ptrdiff_t i = 0; i < count; i++)
+        spring_column(s, &s->broken->recent[i], (int)i, &c);
+    PH_TRY(ph_i_factor_take(s->factor, &c, (int)count, err));
+    s->downdates += (double)count;
+    *done = ph_i_factor_condition(s->factor) >= singular;
+out:
+    ph_i_csc_clear(&c);
     return st;
 }
 
@@ -224,26 +316,22 @@ static void centre(const direct *s, double *u)
     }
 }
 
-ph_status ph_i_direct_solve(void *state, const double *load, double *u,
-                            ph_cg_report *report, ph_error *err)
+/* Refine x, from zero, until the residual of keep - A x meets the tolerance, or as far as it
+ * goes. */
+static ph_status refine(direct *s, const double *keep, double b2, ph_cg_report *report,
+                        ph_error *err)
 {
     ph_status st = PH_OK;
-    direct *s = state;
     ptrdiff_t size = field_size(s);
-    double *b = s->q, before = INFINITY;
-    memcpy(s->r, load, sizeof(double) * (size_t)size);
+    double before = INFINITY;
+    memcpy(s->r, keep, sizeof(double) * (size_t)size);
     memset(s->x, 0, sizeof(double) * (size_t)size);
-    double *keep = NULL;
-    PH_ALLOC(keep, size, "the load");
-    memcpy(keep, load, sizeof(double) * (size_t)size);
-    double b2 = norm(s, s->r);
-    report->iterations = 0;
     report->residual = b2 > 0.0 ? 1.0 : 0.0;
-    while (report->residual > report->tolerance && report->iterations < STEPS) {
+    for (int i = 0; report->residual > report->tolerance && i < STEPS; i++) {
         PH_TRY(correct(s, err));
-        ph_i_operator_apply(s->op, s->x, b);
-        for (ptrdiff_t i = 0; i < size; i++)
-            s->r[i] = keep[i] - b[i];
+        ph_i_operator_apply(s->op, s->x, s->q);
+        for (ptrdiff_t k = 0; k < size; k++)
+            s->r[k] = keep[k] - s->q[k];
         before = report->residual;
         report->residual = norm(s, s->r) / b2;
         report->iterations++;
@@ -252,6 +340,26 @@ ph_status ph_i_direct_solve(void *state, const double *load, double *u,
             goto out;
         }
         if (!(report->residual < 0.9 * before)) break; /* as far as it goes */
+    }
+out:
+    return st;
+}
+
+ph_status ph_i_direct_solve(void *state, const double *load, double *u,
+                            ph_cg_report *report, ph_error *err)
+{
+    ph_status st = PH_OK;
+    direct *s = state;
+    ptrdiff_t size = field_size(s);
+    double *keep = NULL, b2 = norm(s, load);
+    PH_ALLOC(keep, size, "the load");
+    memcpy(keep, load, sizeof(double) * (size_t)size);
+    report->iterations = 0;
+    PH_TRY(refine(s, keep, b2, report, err));
+    if (!(report->residual <= report->tolerance) && s->downdates > 0.0) {
+        forget(s); /* what downdates have left is not good enough */
+        PH_TRY(make(s, err));
+        PH_TRY(refine(s, keep, b2, report, err));
     }
     memcpy(u, s->x, sizeof(double) * (size_t)size);
     centre(s, u);

@@ -15,6 +15,8 @@ struct ph_factor {
     cholmod_dense *x, *y, *e; /* kept between solves */
     double condition;
     size_t n, bytes;
+    bool changes;
+    double flops, taken;
 };
 
 static ph_status translate(const cholmod_common *c, const char *doing, ph_error *err)
@@ -26,7 +28,25 @@ static ph_status translate(const cholmod_common *c, const char *doing, ph_error 
                    "CHOLMOD could not %s the matrix (status %d)", doing, c->status);
 }
 
-ph_status ph_i_factor_new(const ph_csc *m, ph_factor **out, ph_error *err)
+/* Smallest over largest pivot of L D L^T; negative where one is. */
+static double pivots(const ph_factor *f)
+{
+    const int *start = f->L->p;
+    const double *x = f->L->x;
+    double least = INFINITY, most = 0.0;
+    for (size_t j = 0; j < f->n; j++) {
+        least = fmin(least, x[start[j]]);
+        most = fmax(most, fabs(x[start[j]]));
+    }
+    return f->n == 0 ? 1.0 : isfinite(least) && most > 0.0 ? least / most : 0.0;
+}
+
+static void measure(ph_factor *f)
+{
+    f->condition = f->changes ? pivots(f) : cholmod_rcond(f->L, &f->common);
+}
+
+ph_status ph_i_factor_new(const ph_csc *m, bool changes, ph_factor **out, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_factor *f = NULL;
@@ -36,7 +56,10 @@ ph_status ph_i_factor_new(const ph_csc *m, ph_factor **out, ph_error *err)
     cholmod_start(c);
     c->print = 0;
     if (m->n <= small) c->supernodal = CHOLMOD_SIMPLICIAL;
-    c->final_ll = 1; /* L L^T: fails where L D L^T would go on with a negative pivot */
+    f->changes = changes;
+    c->final_ll = !changes; /* L L^T fails where L D L^T goes on with a negative pivot */
+    c->final_super = changes ? 0 : c->final_super;
+    c->final_monotonic = 1; /* of the columns, which downdates need */
     f->n = (size_t)m->n;
     cholmod_sparse a = {.nrow = f->n,
                         .ncol = f->n,
@@ -59,11 +82,48 @@ ph_status ph_i_factor_new(const ph_csc *m, ph_factor **out, ph_error *err)
     f->bytes = (size_t)c->lnz * sizeof(double);
     cholmod_factorize(&a, f->L, c);
     PH_TRY(translate(c, "factorise", err));
-    f->condition = cholmod_rcond(f->L, c);
+    f->flops = c->fl;
+    if (changes && f->L->is_super)
+        cholmod_change_factor(CHOLMOD_REAL, 0, 0, 0, 1, f->L, c);
+    PH_TRY(translate(c, "unpack", err));
+    measure(f);
     *out = f;
     f = NULL;
 out:
     ph_i_factor_free(&f);
+    return st;
+}
+
+double ph_i_factor_flops(const ph_factor *f, double *taken)
+{
+    *taken = f->taken;
+    return f->flops;
+}
+
+ph_status ph_i_factor_take(ph_factor *f, const ph_csc *columns, int count, ph_error *err)
+{
+    ph_status st = PH_OK;
+    cholmod_common *c = &f->common;
+    cholmod_sparse *permuted = NULL;
+    cholmod_sparse a = {.nrow = f->n,
+                        .ncol = (size_t)count,
+                        .nzmax = (size_t)columns->start[count],
+                        .p = columns->start,
+                        .i = columns->row,
+                        .x = columns->value,
+                        .itype = CHOLMOD_INT,
+                        .xtype = CHOLMOD_REAL,
+                        .dtype = CHOLMOD_DOUBLE,
+                        .packed = 1};
+    PH_ASSERT(f->changes);
+    permuted = cholmod_submatrix(&a, f->L->Perm, (int64_t)f->n, NULL, -1, 1, 1, c);
+    PH_TRY(translate(c, "permute", err));
+    cholmod_updown(0, permuted, f->L, c);
+    PH_TRY(translate(c, "downdate", err));
+    f->taken += c->modfl;
+    measure(f);
+out:
+    cholmod_free_sparse(&permuted, c);
     return st;
 }
 

@@ -29,6 +29,9 @@ typedef struct ph_solver_method {
     ph_status (*solve)(void *state, const double *load, double *u, ph_cg_report *report,
                        ph_error *err);
     void (*free)(void **state);
+    /* Take in the bonds of system->params->broken that broke since `init` or the last call;
+     * *done: false, init is to be called instead. NULL: always init. */
+    ph_status (*broke)(void *state, bool *done, ph_error *err);
 } ph_solver_method;
 
 extern const ph_solver_method ph_solvers[];
@@ -44,6 +47,9 @@ extern const size_t ph_nsolvers;
 PH_SOLVER_FUNCTIONS(fft_cg);
 PH_SOLVER_FUNCTIONS(direct);
 PH_SOLVER_FUNCTIONS(relaxation);
+ph_status ph_i_direct_broke(void *state, bool *done, ph_error *err);
+/** Factors that it has made since `init`. */
+int ph_i_direct_factors(const void *state);
 
 /** What fft_cg works with, for other iterations on the same system: the system, whose vectors
  *  are half spectra or, where nodes are held, fields; and its vectors x, r, p, q. */

@@ -10,15 +10,18 @@ const ph_solver_method ph_solvers[] = {
     {{"fft_cg", "conjugate gradients, homogeneous medium as preconditioner, by FFT",
       "Brisard2010 Leuschner2018", "always"},
      false,
-     FUNCTIONS(fft_cg)},
+     FUNCTIONS(fft_cg),
+     NULL},
     {{"direct", "assembled matrix, Cholesky factors (CHOLMOD), one for all loads",
-      "Chen2008", "small grids, families cut at the faces"},
+      "Chen2008 Davis1999", "small grids, families cut at the faces"},
      true,
-     FUNCTIONS(direct)},
+     FUNCTIONS(direct),
+     ph_i_direct_broke},
     {{"relaxation", "adaptive dynamic relaxation: the steady state of a damped motion",
       "Underwood1983 Kilic2010", "to compare with; thousands of steps"},
      true,
-     FUNCTIONS(relaxation)},
+     FUNCTIONS(relaxation),
+     NULL},
 };
 const size_t ph_nsolvers = sizeof ph_solvers / sizeof *ph_solvers;
 

@@ -73,6 +73,7 @@ void ph_i_broken_free(ph_broken **broken)
     free(br->bits);
     free(br->fresh);
     free(br->slot);
+    free(br->recent);
     free(br);
     *broken = NULL;
 }
@@ -150,12 +151,28 @@ ptrdiff_t ph_i_broken_end(const ph_broken *br, ptrdiff_t node, ptrdiff_t b)
     return y;
 }
 
+static ph_status remember(ph_broken *br, ptrdiff_t node, ptrdiff_t b, ph_error *err)
+{
+    ph_status st = PH_OK;
+    if (br->nrecent == br->recent_room) {
+        ptrdiff_t room = br->recent_room ? 2 * br->recent_room : FIRST_ROOM;
+        void *p = realloc(br->recent, (size_t)room * sizeof *br->recent);
+        PH_CHECK(p, PH_ENOMEM, "no memory for %td broken bonds", room);
+        br->recent = p;
+        br->recent_room = room;
+    }
+    br->recent[br->nrecent++] = (ph_fresh_bond){(int32_t)node, (int32_t)b};
+out:
+    return st;
+}
+
 ph_status ph_i_break(ph_broken *br, ptrdiff_t node, ptrdiff_t b, ph_error *err)
 {
     ph_status st = PH_OK;
     ptrdiff_t other = ph_i_broken_end(br, node, b), place;
     PH_TRY(place_for(br, node, &place, err));
     if (ph_i_is_broken(br, place, b)) return PH_OK;
+    PH_TRY(remember(br, node, b, err));
     for (int end = 0; end < 2; end++) {
         ptrdiff_t bond = end ? br->mirror[b] : b;
         if (end) PH_TRY(place_for(br, other, &place, err));
@@ -170,6 +187,7 @@ out:
 void ph_i_broken_heal(ph_broken *br)
 {
     br->damaged = br->pairs = 0;
+    br->healed = true;
     if (br->slots) fill_slots(br);
 }
 
@@ -224,6 +242,8 @@ out:
 void ph_i_broken_seen(ph_broken *br)
 {
     if (br->damaged) memset(br->fresh, 0, (size_t)br->damaged);
+    br->nrecent = 0;
+    br->healed = false;
 }
 
 double ph_i_broken_damage(const ph_broken *br, ptrdiff_t place)

@@ -9,6 +9,10 @@
 
 #include "core/memory.h"
 
+typedef struct ph_fresh_bond {
+    int32_t node, bond;
+} ph_fresh_bond;
+
 typedef struct ph_broken {
     const ph_family *family; /* borrowed: of nodes */
     ptrdiff_t n[3];          /* of the box, which wraps */
@@ -21,7 +25,12 @@ typedef struct ph_broken {
     int32_t *slot;  /* [slots] hash of the nodes, -1: empty */
     ptrdiff_t slots;
     ptrdiff_t pairs; /* broken bonds, each counted once */
-    double tips;     /* length by which cracks are cut shorter at every tip */
+    /* Since the last ph_i_broken_seen: bonds that were broken, one end each; none of them
+     * counts where bonds were healed. */
+    ph_fresh_bond *recent;
+    ptrdiff_t nrecent, recent_room;
+    bool healed;
+    double tips; /* length by which cracks are cut shorter at every tip */
     ph_meter *meter;
     size_t bytes;
 } ph_broken;
@@ -48,7 +57,7 @@ static inline size_t ph_i_broken_bits(const ph_broken *broken)
 {
     return 64 * (size_t)(broken->damaged * broken->words);
 }
-/** Forget which nodes are fresh. */
+/** Forget which nodes are fresh, and which bonds. */
 void ph_i_broken_seen(ph_broken *broken);
 /** Damage of a node: the weight of its broken bonds over that of all, 0 .. 1. */
 double ph_i_broken_damage(const ph_broken *broken, ptrdiff_t place);
