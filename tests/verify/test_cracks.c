@@ -122,7 +122,7 @@ static ph_sym4 finite_elements(int N, int count, const span *crack, const double
         }
     }
     ph_csc m = compress(n, t, used);
-    CHECK_OK(ph_i_factor_new(&m, &factor, &err));
+    CHECK_OK(ph_i_factor_new(&m, false, &factor, &err));
     for (int a = 0; a < 3; a++) {
         if (factor) CHECK_OK(ph_i_factor_solve(factor, b + a * n, u, &err));
         for (int c = 0; c < 3; c++) {
