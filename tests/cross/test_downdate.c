@@ -149,7 +149,7 @@ static void compare(pair *p)
         ph_cg_report report;
         ph_cell_energy e;
         CHECK_OK(ph_i_run_rebuild(r, &err));
-        CHECK_OK(ph_i_run_solve(r, macro, false, NULL, &report, &err));
+        CHECK_OK(ph_i_run_solve(r, macro, false, NULL, 0.0, &report, &err));
         CHECK(report.residual <= 1e-10);
         CHECK_OK(ph_i_operator_sums(r->op, r->u, macro, r->setting.region, stress, strain,
                                     &e, &err));
