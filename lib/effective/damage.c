@@ -220,6 +220,7 @@ static ph_status take_step(ph_run *r, int number, ph_error *err)
                    ? p->sequence->value[number]
                    : (double)NAN;
     s->density = ph_cracks_density(&cracks, &r->result->grid);
+    s->surface = ph_cracks_surface(&cracks, &r->result->grid);
     PH_TRY(ph_i_damage_step(r, s, false, err));
 out:
     ph_cracks_free(&cracks);

@@ -13,6 +13,7 @@ typedef struct gathering {
     const ph_damage *damage;
     const ph_failure_path *path; /* NULL: prescribed */
     int count;
+    bool loaded; /* along `strain` */
     double *d, *begin, *end;
     ph_sym4 *stiffness;
     double strain[6],
@@ -69,7 +70,7 @@ static ph_sym4 fallen(const ph_sym4 *before, const ph_sym4 *c)
 static double measure(const gathering *g, const ph_sym4 *c)
 {
     double trace = 0.0;
-    if (g->path) return ph_i_energy(c, g->strain);
+    if (g->loaded) return ph_i_energy(c, g->strain);
     for (int i = 0; i < c->n; i++)
         trace += c->m[i][i];
     return trace;
@@ -157,6 +158,7 @@ static ph_status gather_loading(gathering *g, ph_error *err)
              "no damage law: the stiffness of the cracked cell before the first bond "
              "breaks is not known (loading: stiffness_every)");
     memcpy(g->strain, p->strain, sizeof g->strain);
+    g->loaded = true;
     begin_with(g, first);
     for (int i = 0, from = 0, to; i < g->damage->nsteps; i++, from = to) {
         const ph_damage_step *s = &g->damage->step[i];
@@ -179,13 +181,39 @@ out:
     return st;
 }
 
-ph_status ph_damage_law_from_result(const ph_result *result, ph_damage_law **out,
-                                    ph_error *err)
+/* ---- of cracks that grow when they can pay for it --------------------------------------- */
+
+/* Loads at which a segment releases what its surface costs, into begin; then both ends: a
+ * segment lasts until the next one can go, and loads do not fall. */
+static ph_status gather_growth(gathering *g, double fracture_energy, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_GIVEN(result && out);
-    *out = NULL;
-    gathering g = {.damage = result->damage, .path = result->failure};
+    double surface = 0.0, last = 0.0;
+    begin_with(g, &g->damage->pristine);
+    for (int i = 0; i < g->damage->nsteps; i++) {
+        const ph_damage_step *s = &g->damage->step[i];
+        if (!add_knot(g, &s->stiffness, 0.0, 0.0)) continue;
+        int k = g->count - 2; /* the new segment */
+        double paid = fracture_energy * (s->surface - surface);
+        ph_sym4 gone = ph_sym4_combine(1.0, &g->stiffness[k], -1.0, &g->stiffness[k + 1]);
+        PH_CHECK(paid > 0.0, PH_EINVAL,
+                 "no damage law: step %d breaks bonds without new crack surface", i + 1);
+        g->begin[k] = sqrt(2.0 * paid / ph_i_energy(&gone, g->strain));
+        surface = s->surface;
+    }
+    for (int k = 0; k + 1 < g->count; k++) {
+        double next = k + 2 < g->count ? g->begin[k + 1] : 0.0;
+        g->begin[k] = fmax(g->begin[k], last);
+        g->end[k] = last = fmax(next, g->begin[k] * (1.0 + 1e-6));
+    }
+out:
+    return st;
+}
+
+static ph_status make_law(const ph_result *result, gathering g, double fracture_energy,
+                          ph_damage_law **out, ph_error *err)
+{
+    ph_status st = PH_OK;
     PH_CHECK(g.damage && g.damage->nsteps > 0, PH_EINVAL,
              "no damage law: the result has no damage");
     PH_CHECK(result->loads == ph_i_run_all_loads(result), PH_EINVAL,
@@ -198,15 +226,47 @@ ph_status ph_damage_law_from_result(const ph_result *result, ph_damage_law **out
     PH_ALLOC(g.stiffness, g.damage->nsteps + 1, "stiffnesses");
     if (g.path)
         PH_TRY(gather_loading(&g, err));
+    else if (g.loaded)
+        PH_TRY(gather_growth(&g, fracture_energy, err));
     else
         gather_steps(&g);
-    PH_TRY(ph_damage_law_new(result->stiffness.n, g.path ? g.strain : NULL, g.count, g.d,
-                             g.stiffness, g.begin, g.end, out, err));
+    PH_TRY(ph_damage_law_new(result->stiffness.n, g.loaded ? g.strain : NULL, g.count,
+                             g.d, g.stiffness, g.begin, g.end, out, err));
     (*out)->correction = g.correction;
 out:
     free(g.d);
     free(g.begin);
     free(g.end);
     free(g.stiffness);
+    return st;
+}
+
+ph_status ph_damage_law_from_result(const ph_result *result, ph_damage_law **out,
+                                    ph_error *err)
+{
+    PH_GIVEN(result && out);
+    *out = NULL;
+    const gathering g = {.damage = result->damage, .path = result->failure};
+    return make_law(result, g, 0.0, out, err);
+}
+
+ph_status ph_damage_law_from_growth(const ph_result *result, const double *strain,
+                                    double fracture_energy, ph_damage_law **out,
+                                    ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_GIVEN(result && strain && out);
+    *out = NULL;
+    gathering g = {.damage = result->damage, .loaded = true};
+    PH_CHECK(fracture_energy > 0.0 && isfinite(fracture_energy), PH_EINVAL,
+             "the fracture energy must be > 0, got %g", fracture_energy);
+    PH_CHECK(result->damage && !result->failure, PH_EINVAL,
+             "no damage law: the result has no prescribed cracks");
+    for (int i = 0; i < result->stiffness.n; i++)
+        g.strain[i] = strain[i];
+    PH_CHECK(ph_i_energy(&result->damage->pristine, g.strain) > 0.0, PH_EINVAL,
+             "no damage law: the strain is zero");
+    st = make_law(result, g, fracture_energy, out, err);
+out:
     return st;
 }

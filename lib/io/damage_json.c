@@ -49,6 +49,8 @@ static ph_status put_step(const ph_damage *d, int number, json_t *list, json_t *
     if (value_name(d->kind) && d->kind != PH_SEQUENCE_LOADING)
         PH_TRY(ph_i_json_put(obj, value_name(d->kind), json_real(s->value), err));
     PH_TRY(ph_i_json_put(obj, "density", ph_i_json_number(s->density), err));
+    if (d->kind != PH_SEQUENCE_LOADING)
+        PH_TRY(ph_i_json_put(obj, "crack_surface", ph_i_json_number(s->surface), err));
     PH_TRY(put_voigt(obj, "stiffness", &s->stiffness, err));
     PH_TRY(put_voigt(obj, "tangent", &s->tangent, err));
     if (isnan(s->tangent.m[0][0])) {

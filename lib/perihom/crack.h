@@ -73,6 +73,9 @@ PH_API ph_status ph_cracks_add_grown(ph_cracks *to, const ph_cracks *from,
 /** Crack density of the set: sum of a^2 over the area in 2D (a half length), of a^3 over the
  *  volume in 3D (ellipses: (a b)^(3/2); polygons: (area/pi)^(3/2)). */
 PH_API double ph_cracks_density(const ph_cracks *cracks, const ph_grid *grid);
+/** Length of all lines over the area in 2D, area of all figures over the volume in 3D [1/length];
+ *  where they overlap, twice. */
+PH_API double ph_cracks_surface(const ph_cracks *cracks, const ph_grid *grid);
 
 #ifdef __cplusplus
 }

@@ -32,6 +32,7 @@ typedef struct ph_crack_sequence {
 typedef struct ph_damage_step {
     double value;      /* of the sequence or the load; NaN without one */
     double density;    /* ph_cracks_density of the cracks that are there */
+    double surface;    /* ph_cracks_surface of them; bonds that broke do not count */
     ph_sym4 stiffness; /* secant, Mandel */
     /* d stress / d strain. Without a loading, and where no bond broke since the step before,
      * it is the secant: between breaks the cell is linear. Else the slope of the curve

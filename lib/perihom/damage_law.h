@@ -69,6 +69,22 @@ PH_API ph_status ph_damage_law_copy(const ph_damage_law *law, ph_damage_law **ou
 PH_API ph_status ph_damage_law_from_result(const ph_result *result, ph_damage_law **out,
                                            ph_error *err);
 
+/** The law of prescribed cracks in a brittle material [Griffith1921]: cracks go from one step
+ *  to the next when that releases the fracture energy of the surface they make,
+ *
+ *      1/2 lambda^2 E : A_k : E = G (surface_k+1 - surface_k)
+ *
+ *  A segment begins at this load and ends at that of the next segment; where the load would
+ *  fall (cracks that run on) it stays, and the stress drops through the segment.
+ *  @param[in] result  of a sequence, all loads
+ *  @param[in] strain  [n] direction E, Voigt
+ *  @param[in] fracture_energy G > 0, stress times length
+ *  @return as ph_damage_law_from_result; PH_EINVAL: no sequence, a step without new surface
+ *          that changes C. Tested: tests/laws/test_damage_law.c (a row of cracks, exactly) */
+PH_API ph_status ph_damage_law_from_growth(const ph_result *result, const double *strain,
+                                           double fracture_energy, ph_damage_law **out,
+                                           ph_error *err);
+
 /** C(d), Mandel; d is taken into the range of the knots. n = 0 for NaN. */
 PH_API ph_sym4 ph_damage_law_stiffness(const ph_damage_law *law, double damage);
 /** Thermodynamic force Y = -1/2 eps : dC/dd : eps >= 0 of the segment that begins at or holds

@@ -253,11 +253,31 @@ double ph_i_polygon_radius(ptrdiff_t count, const double (*vertex)[3])
     return sqrt(0.5 * vector_area(count, vertex, n) / pi);
 }
 
+static double volume_of(const ph_grid *g)
+{
+    return g->size[0] * g->size[1] * (g->kinematics == PH_SPACE ? g->size[2] : 1.0);
+}
+
+double ph_cracks_surface(const ph_cracks *c, const ph_grid *g)
+{
+    static const double pi = 3.14159265358979323846;
+    double sum = 0.0;
+    if (!c || !g) return NAN;
+    for (ptrdiff_t i = 0; i < c->count; i++) {
+        const ph_crack *k = &c->crack[i];
+        double radius = sqrt(k->semi_axes[0] * k->semi_axes[1]);
+        if (k->shape == PH_CRACK_POLYGON)
+            radius =
+                ph_i_polygon_radius(k->count, (const double(*)[3])(c->vertex + k->first));
+        sum += k->shape == PH_CRACK_LINE ? ph_crack_length(c, i) : pi * radius * radius;
+    }
+    return sum / volume_of(g);
+}
+
 double ph_cracks_density(const ph_cracks *c, const ph_grid *g)
 {
     if (!c || !g) return NAN;
-    bool plane = g->kinematics != PH_SPACE;
-    double volume = g->size[0] * g->size[1] * (plane ? 1.0 : g->size[2]), sum = 0.0;
+    double sum = 0.0;
     for (ptrdiff_t i = 0; i < c->count; i++) {
         const ph_crack *k = &c->crack[i];
         double a = 0.5 * ph_crack_length(c, i);
@@ -270,5 +290,5 @@ double ph_cracks_density(const ph_cracks *c, const ph_grid *g)
                 ph_i_polygon_radius(k->count, (const double(*)[3])(c->vertex + k->first)),
                 3.0);
     }
-    return sum / volume;
+    return sum / volume_of(g);
 }

@@ -314,6 +314,11 @@ def damage_laws():
     assert tangent.shape == (2, 3, 3) and np.isclose(tangent[0, 1, 1], 0.0) and np.allclose(tangent[1], C)
     stress, tangent = point.update(state, np.array([[0, -0.5, 0], [0, 9, 0]]), 0)
     assert np.allclose(state[:, 3], [0.25, 1]) and np.allclose(stress[:, 1], [0.75 * 3, 0])
+    grown = perihom.run(os.path.join(cases, "growing-crack.yaml"), {"microstructure.nodes": [20, 20]})
+    griffith = perihom.DamageLaw.from_growth(grown, [0, 1, 0], 1e-3)
+    assert (np.diff(griffith.begin) >= 0).all() and griffith.damage[-1] > 0.999
+    # four times the energy, twice the load
+    assert np.allclose(perihom.DamageLaw.from_growth(grown, [0, 1, 0], 4e-3).begin, 2 * griffith.begin)
     raises(perihom.Error, lambda: perihom.DamageLaw([0, 1, 0], [0, 0.5], [C, 2 * C], [1], [2]), "does not heal")
     case = os.path.join(cases, "debonding-fibre.yaml")
     with tempfile.TemporaryDirectory() as folder:

@@ -139,6 +139,8 @@ typedef struct { int n; double strain[6]; bool driven; int nknots; double *damag
 ph_status ph_damage_law_new(int n, const double *strain, int nknots, const double *damage, const ph_sym4 *stiffness,
                             const double *begin, const double *end, ph_damage_law **out, ph_error *err);
 ph_status ph_damage_law_copy(const ph_damage_law *law, ph_damage_law **out, ph_error *err);
+ph_status ph_damage_law_from_growth(const ph_result *result, const double *strain, double fracture_energy,
+                                    ph_damage_law **out, ph_error *err);
 void ph_damage_law_free(ph_damage_law **law);
 ph_sym4 ph_damage_law_stiffness(const ph_damage_law *law, double damage);
 double ph_damage_law_force(const ph_damage_law *law, double damage, const double *strain);

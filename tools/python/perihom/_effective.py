@@ -106,6 +106,18 @@ class DamageLaw:
         self._own(out[0])
         return self
 
+    @classmethod
+    def from_growth(cls, result, strain, fracture_energy: float) -> "DamageLaw":
+        """Of a Result of prescribed cracks, which grow when they release the fracture energy."""
+        strain = [float(e) for e in strain]
+        if len(strain) != result.stiffness.shape[0]:
+            raise ValueError("strain must have %d components" % result.stiffness.shape[0])
+        out, err = ffi.new("ph_damage_law **"), ffi.new("ph_error *")
+        _check(lib.ph_damage_law_from_growth(result._c, ffi.new("double[]", strain), fracture_energy, out, err), err)
+        self = cls.__new__(cls)
+        self._own(out[0])
+        return self
+
     def at(self, damage: float) -> np.ndarray:
         """C(d), Voigt."""
         return _voigt(lib.ph_damage_law_stiffness(self._c, damage))
