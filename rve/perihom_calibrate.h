@@ -78,6 +78,7 @@ typedef enum ph_fit_knowledge {
     PH_FIT_WEAK,  /* it is the whole range */
     PH_FIT_FLAT   /* one standard error is the whole range, or nothing changes at all */
 } ph_fit_knowledge;
+/** In a word; "unknown" for what is none. Never NULL. */
 PH_API const char *ph_fit_knowledge_text(ph_fit_knowledge k);
 
 /** What came out for one unknown. */

@@ -13,7 +13,7 @@ enum { ROUNDS = 12, PILOT = 4 };
 const char *ph_fit_knowledge_text(ph_fit_knowledge k)
 {
     static const char *const text[] = {"known", "weak", "flat"};
-    return text[k];
+    return (unsigned)k <= PH_FIT_FLAT ? text[k] : "unknown";
 }
 
 void ph_i_fit_note(ph_fit *fit, const char *fmt, ...)

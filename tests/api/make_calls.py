@@ -3,8 +3,8 @@
 """Writes calls.inc: every public function of the headers called with wrong arguments.
 
 A row is {name, returns a status, has outputs, function}; the function of a row makes the call of variant v:
-inputs and outputs are each absent (NULL) or there, numbers are zero, texts empty, structures
-zeroed and floating-point numbers NaN.
+inputs and outputs are each absent (NULL) or there, texts empty, structures zeroed; numbers are zero
+and NaN, or out of range: -1 and infinity. Lengths of memory (size_t) are zero.
 
 usage: make_calls.py OUTPUT HEADER...
 """
@@ -12,6 +12,9 @@ import re
 import sys
 
 DECLARATION = re.compile(r"PH_API\s+(?!extern)([^;{]*?)\b(ph_\w+)\s*\(([^;]*?)\)\s*(?:PH_PRINTF\([^)]*\))?;", re.S)
+
+
+structures = set()  # passed by value
 
 
 def split(text):
@@ -40,12 +43,20 @@ def value(argument):
         incoming = argument.startswith("const ") and argument.count("*") < 2
         return "%s(v)" % ("in" if incoming else "out")
     if re.match(r"(double|float)\b", argument):
-        return "NAN"
+        return "number(v)"
+    if re.match(r"(int|long|ptrdiff_t|int32_t)\b", argument):
+        return "integer(v)"
+    enum = re.match(r"(ph_\w+) \w+$", argument)
+    if enum and enum[1] not in structures:
+        return "(%s)integer(v)" % enum[1]
     return "0"
 
 
 def main(output, headers):
     bodies, rows = [], []
+    for header in headers:
+        with open(header) as f:
+            structures.update(re.findall(r"^} (ph_\w+);", re.sub(r"typedef enum.*?;", "", f.read(), flags=re.S), re.M))
     for header in headers:
         with open(header) as f:
             text = re.sub(r"/\*.*?\*/", "", f.read(), flags=re.S)

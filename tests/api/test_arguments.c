@@ -16,7 +16,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { INPUTS = 1, OUTPUTS = 2, VARIANTS = 4, BUFFERS = 16, BYTES = 1 << 16 };
+enum {
+    INPUTS = 1,
+    OUTPUTS = 2,
+    OUT_OF_RANGE = 4,
+    VARIANTS = 8,
+    BUFFERS = 16,
+    BYTES = 1 << 16
+};
 
 struct call {
     const char *name;
@@ -46,6 +53,16 @@ static void *out(int v)
 static const char *text(int v)
 {
     return v & INPUTS ? "" : NULL;
+}
+
+static double number(int v)
+{
+    return v & OUT_OF_RANGE ? (double)INFINITY : (double)NAN;
+}
+
+static int integer(int v)
+{
+    return v & OUT_OF_RANGE ? -1 : 0;
 }
 
 #include "calls.inc"
@@ -87,14 +104,16 @@ static void wrong_arguments(void **state)
     for (size_t i = 0; i < sizeof calls / sizeof *calls; i++)
         for (int v = 0; v < VARIANTS; v++) {
             const int got = run(&calls[i], v);
-            const bool may = may_succeed(&calls[i], v), none = v == 0 && !may;
+            const bool may = may_succeed(&calls[i], v);
+            const bool none = !(v & (INPUTS | OUTPUTS)) && !may;
             const bool good = got >= 0 && got != PH_EINTERNAL &&
                               (!calls[i].status || got == PH_EINVAL ||
                                (!none && (got != PH_OK || may)));
             if (good) continue;
             check_failures++;
-            print_error("%s, inputs %s, outputs %s: %s %d\n", calls[i].name,
+            print_error("%s, inputs %s, outputs %s, numbers %s: %s %d\n", calls[i].name,
                         v & INPUTS ? "zeroed" : "NULL", v & OUTPUTS ? "zeroed" : "NULL",
+                        v & OUT_OF_RANGE ? "-1 and infinity" : "0 and NaN",
                         got < 0 ? "signal" : "status", abs(got));
         }
     CHECK_END();
