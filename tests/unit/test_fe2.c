@@ -529,6 +529,12 @@ static void bits_of_a_history(void **state)
                 CHECK(memcmp(a, c, sizeof a) == 0);
             }
         }
+        ph_fe2_state s[2];
+        CHECK_OK(ph_fe2_point_state(p, &s[0], &err));
+        CHECK_OK(ph_fe2_point_state(r, &s[1], &err));
+        CHECK(s[0].broken_bonds == s[1].broken_bonds && s[0].events == s[1].events &&
+              s[0].dissipated == s[1].dissipated);
+        CHECK(i == 0 || s[0].broken_bonds > 20);
         ph_fe2_point_free(&p);
         ph_fe2_point_free(&q);
         ph_fe2_point_free(&r);
