@@ -168,7 +168,7 @@ static void choose_rest(const ph_case *c, ph_fidelity_plan *p)
     p->tolerance = c->solver.tolerance;
     if (!(c->accuracy.given & PH_SETTING_TOLERANCE)) {
         bool high = contrast > high_contrast;
-        p->tolerance = fmin(high ? 1e-3 : 1e-2, high ? 0.1 * p->accuracy : p->accuracy);
+        p->tolerance = fmin(high ? 1e-3 : 3e-2, high ? 0.1 * p->accuracy : p->accuracy);
         p->tolerance = fmax(p->tolerance, 1e-10);
         ph_i_fidelity_say(p, "tolerance %.1g: the energy is off by its square%s",
                           p->tolerance, high ? ", contrast above 1000" : "");
