@@ -87,7 +87,7 @@ static void sheet(trial *t, ph_material soft, ph_material stiff, double *times,
     t->problem.solver.tolerance = 1e-8;
     times[0] = time;
     t->loading.times = times;
-    t->loading.window = 0.05;
+    t->loading.window = 0.2;
     notch(t, 0.2, 0.5, 0.51);
 }
 
@@ -118,7 +118,7 @@ static void limits(void **state)
         if (a && b) {
             CHECK_REL(a->first_load, b->first_load, 1e-6);
             CHECK_REL(a->peak_stress, b->peak_stress, 1e-6);
-            CHECK_REL((double)a->nbonds, (double)b->nbonds, k ? 0.1 : 0.0);
+            CHECK_REL((double)a->nbonds, (double)b->nbonds, k ? 0.2 : 0.0);
             CHECK(a->imbalance < (k ? 2e-3 : 1e-8)); /* steps of 1e8 relaxation times */
             for (ptrdiff_t i = 0; !k && i < a->nbonds && i < b->nbonds; i++)
                 CHECK(a->bond[i].node == b->bond[i].node &&
@@ -185,39 +185,66 @@ static void balance(void **state)
 }
 
 /* A strain that is held: the stiff half takes over what the soft one gives up, and the cell
- * breaks later than it was loaded. The time does not move with the steps but by their square,
- * and no bit with the threads. */
+ * breaks later than it was loaded. The time moves with the square of the steps. */
 static void delayed(void **state)
 {
     (void)state;
     double first[3] = {0};
-    for (int k = 0; k < 4; k++) {
-        int n = k == 3 ? 2 : k;
+    for (int k = 0; k < 3; k++) {
         double times[2] = {0.0, 5.0};
         trial t;
-        sheet(&t, elastic(0.5), resin(0.4, 1.0, 1.0), times, 0.0, 5 << n);
+        sheet(&t, elastic(0.5), resin(0.4, 1.0, 1.0), times, 0.0, 5 << k);
         t.rule[0] = none();
         t.to[0] = t.to[1] = 0.0052;
         t.loading.ntargets = 2;
         t.loading.window = 0.1;
-        ph_result *res = run(&t, k == 3 ? 2 : 1);
+        ph_result *res = run(&t, 1);
         const ph_failure_path *p = res ? res->failure : NULL;
         CHECK(p && p->nevents > 0 && p->first_time > 0.1);
-        if (p && k < 3) first[k] = p->first_time;
-        if (p && k == 3) CHECK(p->first_time == first[2]);
+        if (p) first[k] = p->first_time;
         tear_down(&t, &res);
     }
     CHECK_ABS((first[1] - first[0]) / (first[2] - first[1]), 4.0, 1.0);
     CHECK_END();
 }
 
+/* The same bits for any number of threads: 96^2 nodes are two pieces of work. */
+static void threads(void **state)
+{
+    (void)state;
+    ph_result *res[2] = {NULL};
+    for (int k = 0; k < 2; k++) {
+        double times[1] = {1.0};
+        trial t;
+        set_up(&t, layers(96, resin(0.4, 0.6, 1.0), elastic(3.0), 0.5), none(), none(),
+               0.006, 2, 2);
+        t.failure.interphase = stretch_of(0.004); /* opens at once */
+        t.problem.solver.tolerance = 1e-5;
+        t.loading.times = times;
+        t.loading.window = 1.0;
+        res[k] = run(&t, 1 + k);
+        ph_result *no = NULL;
+        tear_down(&t, &no);
+    }
+    const ph_failure_path *a = res[0] ? res[0]->failure : NULL,
+                          *b = res[1] ? res[1]->failure : NULL;
+    CHECK(a && b && a->nevents >= 1 && a->nevents == b->nevents &&
+          a->nbonds == b->nbonds);
+    if (a && b && a->nevents == b->nevents) {
+        CHECK(memcmp(a->event, b->event, (size_t)a->nevents * sizeof *a->event) == 0);
+        CHECK(memcmp(a->step, b->step, (size_t)a->nsteps * sizeof *a->step) == 0);
+    }
+    ph_result_free(&res[0]);
+    ph_result_free(&res[1]);
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(homogeneous_bar),
-        cmocka_unit_test(limits),
-        cmocka_unit_test(balance),
-        cmocka_unit_test(delayed),
+        cmocka_unit_test(homogeneous_bar), cmocka_unit_test(limits),
+        cmocka_unit_test(balance),         cmocka_unit_test(delayed),
+        cmocka_unit_test(threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
