@@ -89,6 +89,9 @@ static int split(const char *list, const char *option, char *text, size_t size,
     return -1;
 }
 
+/* Two rungs of the ladder, and what a case may have. */
+enum { LEAST_FINEST = 6, MOST_FINEST = 65536 };
+
 static int read_options(trade *m)
 {
     const trade_options *o = m->options;
@@ -105,6 +108,9 @@ static int read_options(trade *m)
             code = options_usage_error(
                 &trade_verb, "--budget: '%s' is not a number of seconds > 0", o->budget);
     }
+    if (code < 0 && o->finest && (o->finest < LEAST_FINEST || o->finest > MOST_FINEST))
+        code = options_usage_error(&trade_verb, "--finest: %d is not from %d to %d nodes",
+                                   o->finest, LEAST_FINEST, MOST_FINEST);
     p->constants = m->constant;
     p->knobs = m->knob;
     return code;
@@ -181,7 +187,8 @@ static void print(FILE *to, const ph_trade *t)
     fprintf(to, "%d settings: %d solved, %d refused, %d failed, %d skipped\n", t->nrows,
             count(t, PH_TRADE_DONE), count(t, PH_TRADE_REFUSED),
             count(t, PH_TRADE_FAILED), count(t, PH_TRADE_SKIPPED));
-    fprintf(to, "reference: %s", t->reference_kind);
+    fprintf(to, "reference: %s",
+            t->reference_kind[0] ? t->reference_kind : "none, the case was not solved");
     if (t->reference_error > 0)
         fprintf(to, "; its own error about %.2g %%", 100 * t->reference_error);
     fputc('\n', to);

@@ -23,8 +23,9 @@ void fidelity_print_plan(FILE *to, const ph_case *c, const ph_fidelity_plan *p)
 void fidelity_print(FILE *to, const ph_fidelity *f)
 {
     char text[32];
-    fprintf(to, "\naccuracy    %.3g %% asked for, error about %.2g %%%s\n",
-            100 * f->plan.accuracy, 100 * f->error, f->reached ? "" : ": NOT REACHED");
+    fprintf(to, "\naccuracy    %.3g %% asked for", 100 * f->plan.accuracy);
+    if (isfinite(f->error)) fprintf(to, ", error about %.2g %%", 100 * f->error);
+    fprintf(to, "%s\n", f->reached ? "" : ": NOT REACHED");
     for (int k = 0; k < f->nsteps; k++) {
         const ph_fidelity_step *s = &f->step[k];
         fprintf(to, "            ");

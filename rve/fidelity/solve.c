@@ -398,9 +398,11 @@ static ph_status climb(search *s, ph_error *err)
     }
     if (s->coarse.n && s->c->error_parts) PH_TRY(put_bars(s, err));
     hand_over(s);
-    PH_CHECK(f->reached, PH_ENOCONV,
-             "accuracy %.3g %% is not reached, the error is about %.2g %%: %s",
-             100 * f->plan.accuracy, 100 * f->error, f->missing);
+    char error[64] = "";
+    if (isfinite(f->error))
+        snprintf(error, sizeof error, ", the error is about %.2g %%", 100 * f->error);
+    PH_CHECK(f->reached, PH_ENOCONV, "accuracy %.3g %% is not reached%s: %s",
+             100 * f->plan.accuracy, error, f->missing);
 out:
     return st;
 }

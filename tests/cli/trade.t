@@ -32,6 +32,11 @@ $ perihom trade small.yaml --knobs nodse
 ! perihom: error: no knob 'nodse'; did you mean 'nodes'?
 ? 3
 
+$ perihom trade small.yaml --finest 1
+! perihom trade: --finest: 1 is not from 6 to 65536 nodes
+! *
+? 2
+
 $ perihom trade small.yaml --budget soon
 ! perihom trade: --budget: 'soon' is not a number of seconds > 0
 ! *
