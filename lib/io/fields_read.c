@@ -1,18 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "io/fields.h"
+#include "io/fields_reader.h"
 #include "io/hdf5.h"
 
 #include <string.h>
 
-/* What the reading functions share. */
-typedef struct reader {
-    const char *path;
-    hid_t file;
-    ph_grid grid;
-    double *buffer;
-} reader;
-
-static void free_fields(int count, ph_fields *fields)
+void ph_i_read_fields_free(int count, ph_fields *fields)
 {
     for (int i = 0; i < count; i++) {
         free(fields[i].displacement);
@@ -22,25 +14,16 @@ static void free_fields(int count, ph_fields *fields)
     free(fields);
 }
 
-void ph_fields_step_free(ph_fields_step **step)
-{
-    if (!step || !*step) return;
-    free((*step)->damage);
-    free_fields((*step)->nfields, (*step)->fields);
-    free(*step);
-    *step = NULL;
-}
-
 void ph_fields_file_free(ph_fields_file **file)
 {
     if (!file || !*file) return;
-    free_fields((*file)->nfields, (*file)->fields);
+    ph_i_read_fields_free((*file)->nfields, (*file)->fields);
     ph_microstructure_free(&(*file)->micro);
     free(*file);
     *file = NULL;
 }
 
-static ph_status read_grid(reader *r, ph_error *err)
+static ph_status read_grid(ph_i_fields_reader *r, ph_error *err)
 {
     ph_status st = PH_OK;
     char schema[64], kinematics[64];
@@ -83,8 +66,8 @@ static ph_material material_of_row(const ph_i_material_row *row)
 }
 
 /* Rows of a table of the given type; malloc'd. */
-static ph_status read_table(reader *r, const char *name, hid_t type, size_t size,
-                            hsize_t *rows, void **out, ph_error *err)
+static ph_status read_table(ph_i_fields_reader *r, const char *name, hid_t type,
+                            size_t size, hsize_t *rows, void **out, ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = r->path;
@@ -107,7 +90,8 @@ out:
     return st;
 }
 
-static ph_status read_materials(reader *r, ph_microstructure **micro, ph_error *err)
+static ph_status read_materials(ph_i_fields_reader *r, ph_microstructure **micro,
+                                ph_error *err)
 {
     ph_status st = PH_OK;
     hid_t type = -1;
@@ -129,7 +113,7 @@ out:
     return st;
 }
 
-static ph_status read_cuts(reader *r, ph_microstructure *micro, ph_error *err)
+static ph_status read_cuts(ph_i_fields_reader *r, ph_microstructure *micro, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_grid *g = &r->grid;
@@ -164,7 +148,8 @@ out:
     return st;
 }
 
-static ph_status read_phase(reader *r, ph_microstructure *micro, ph_error *err)
+static ph_status read_phase(ph_i_fields_reader *r, ph_microstructure *micro,
+                            ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_grid *g = &r->grid;
@@ -194,8 +179,21 @@ static void untranspose(const ph_grid *g, int extra, int stride, int nc,
                     *to++ = from[stride * ((k * m1 + j) * m0 + i) + c];
 }
 
-static ph_status read_displacement(reader *r, hid_t load, int extra, ph_fields *f,
-                                   ph_error *err)
+ph_status ph_i_read_cells(ph_i_fields_reader *r, hid_t group, const char *name,
+                          double *to, ph_error *err)
+{
+    ph_status st = PH_OK;
+    hsize_t shape[3];
+    ph_i_array_shape(&r->grid, 0, shape);
+    PH_TRY(ph_i_hdf5_get_array(group, name, H5T_NATIVE_DOUBLE, 3, shape, r->buffer,
+                               r->path, err));
+    untranspose(&r->grid, 0, 1, 1, r->buffer, to);
+out:
+    return st;
+}
+
+static ph_status read_displacement(ph_i_fields_reader *r, hid_t load, int extra,
+                                   ph_fields *f, ph_error *err)
 {
     ph_status st = PH_OK;
     hsize_t shape[4];
@@ -209,27 +207,23 @@ out:
     return st;
 }
 
-static ph_status read_components(reader *r, hid_t load, const char *kind, int ns,
-                                 double **value, ph_error *err)
+static ph_status read_components(ph_i_fields_reader *r, hid_t load, const char *kind,
+                                 int ns, double **value, ph_error *err)
 {
     ph_status st = PH_OK;
     ptrdiff_t cells = ph_grid_cells(&r->grid);
-    hsize_t shape[3];
-    ph_i_array_shape(&r->grid, 0, shape);
     char name[32];
     PH_ALLOC(*value, ns * cells, kind);
     for (int a = 0; a < ns; a++) {
         snprintf(name, sizeof name, "%s/%s", kind, ph_i_voigt_name(ns, a));
-        PH_TRY(ph_i_hdf5_get_array(load, name, H5T_NATIVE_DOUBLE, 3, shape, r->buffer,
-                                   r->path, err));
-        untranspose(&r->grid, 0, 1, 1, r->buffer, *value + a * cells);
+        PH_TRY(ph_i_read_cells(r, load, name, *value + a * cells, err));
     }
 out:
     return st;
 }
 
-static ph_status read_load(reader *r, const char *name, int load, int extra, ph_fields *f,
-                           ph_error *err)
+ph_status ph_i_read_load(ph_i_fields_reader *r, const char *name, int load, int extra,
+                         ph_fields *f, ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = r->path;
@@ -251,9 +245,9 @@ out:
     return st;
 }
 
-/* Loads in the group `where`, those that are there as bits of *there. */
-static ph_status read_some(reader *r, const char *where, unsigned loads, int extra,
-                           unsigned *there, int *count, ph_fields **fields, ph_error *err)
+ph_status ph_i_read_loads(ph_i_fields_reader *r, const char *where, unsigned loads,
+                          int extra, unsigned *there, int *count, ph_fields **fields,
+                          ph_error *err)
 {
     ph_status st = PH_OK;
     int ns = ph_strains(r->grid.kinematics);
@@ -264,14 +258,13 @@ static ph_status read_some(reader *r, const char *where, unsigned loads, int ext
         if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0) continue;
         *there |= 1u << a;
         if (!(loads >> a & 1u)) continue;
-        PH_TRY(read_load(r, name, a, extra, &(*fields)[(*count)++], err));
+        PH_TRY(ph_i_read_load(r, name, a, extra, &(*fields)[(*count)++], err));
     }
 out:
     return st;
 }
 
-/* Whether displacement is on the closed mesh; of a file without loads it does not matter. */
-static ph_status read_extra(reader *r, int *extra, ph_error *err)
+ph_status ph_i_read_extra(ph_i_fields_reader *r, int *extra, ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = r->path;
@@ -287,19 +280,21 @@ out:
     return st;
 }
 
-static ph_status read_loads(reader *r, unsigned loads, ph_fields_file *out, ph_error *err)
+static ph_status read_loads(ph_i_fields_reader *r, unsigned loads, ph_fields_file *out,
+                            ph_error *err)
 {
     ph_status st = PH_OK;
     int extra;
     if (H5Lexists(r->file, "loads", H5P_DEFAULT) <= 0) return PH_OK;
-    PH_TRY(read_extra(r, &extra, err));
-    PH_TRY(read_some(r, "loads", loads, extra, &out->loads, &out->nfields, &out->fields,
-                     err));
+    PH_TRY(ph_i_read_extra(r, &extra, err));
+    PH_TRY(ph_i_read_loads(r, "loads", loads, extra, &out->loads, &out->nfields,
+                           &out->fields, err));
 out:
     return st;
 }
 
-static ph_status read_step_count(reader *r, ph_fields_file *out, ph_error *err)
+static ph_status read_step_count(ph_i_fields_reader *r, ph_fields_file *out,
+                                 ph_error *err)
 {
     ph_status st = PH_OK;
     const char *path = r->path;
@@ -317,7 +312,8 @@ out:
     return st;
 }
 
-static ph_status read_all(reader *r, unsigned loads, ph_fields_file *out, ph_error *err)
+static ph_status read_all(ph_i_fields_reader *r, unsigned loads, ph_fields_file *out,
+                          ph_error *err)
 {
     ph_status st = PH_OK;
     size_t nodes = 3;
@@ -346,7 +342,7 @@ ph_status ph_read_fields(const char *path, unsigned loads, ph_fields_file **out,
                          ph_error *err)
 {
     ph_status st = PH_OK;
-    reader r = {.path = path, .file = -1};
+    ph_i_fields_reader r = {.path = path, .file = -1};
     ph_fields_file *made = NULL;
     ph_i_hdf5_quiet quiet;
     ph_i_hdf5_begin(&quiet);
@@ -360,81 +356,6 @@ out:
     if (r.file >= 0) H5Fclose(r.file);
     ph_i_hdf5_end(&quiet);
     ph_fields_file_free(&made);
-    free(r.buffer);
-    return st;
-}
-
-/* ---- a step ---- */
-
-static ph_status read_damage(reader *r, hid_t group, double **damage, ph_error *err)
-{
-    ph_status st = PH_OK;
-    hsize_t shape[3];
-    ph_i_array_shape(&r->grid, 0, shape);
-    PH_ALLOC(*damage, ph_grid_cells(&r->grid), "the damage");
-    PH_TRY(ph_i_hdf5_get_array(group, "damage", H5T_NATIVE_DOUBLE, 3, shape, r->buffer,
-                               r->path, err));
-    untranspose(&r->grid, 0, 1, 1, r->buffer, *damage);
-out:
-    return st;
-}
-
-static ph_status read_step(reader *r, int step, unsigned loads, ph_fields_step *out,
-                           ph_error *err)
-{
-    ph_status st = PH_OK;
-    const char *path = r->path;
-    char name[32], where[48];
-    unsigned there = 0;
-    int extra;
-    hid_t group = -1;
-    snprintf(name, sizeof name, "steps/" PH_I_STEP_NAME, step);
-    snprintf(where, sizeof where, "%s/loads", name);
-    PH_CHECK(H5Lexists(r->file, "steps", H5P_DEFAULT) > 0 &&
-                 H5Lexists(r->file, name, H5P_DEFAULT) > 0,
-             PH_EINVAL, "'%.300s' has no step %d", path, step);
-    PH_HDF5(group = H5Gopen2(r->file, name, H5P_DEFAULT), "read");
-    PH_TRY(ph_i_hdf5_get_attribute(group, "value", H5T_NATIVE_DOUBLE, 1, &out->value,
-                                   path, err));
-    PH_TRY(read_damage(r, group, &out->damage, err));
-    if (!loads) goto out;
-    PH_TRY(read_extra(r, &extra, err));
-    if (H5Lexists(group, "loads", H5P_DEFAULT) > 0)
-        PH_TRY(
-            read_some(r, where, loads, extra, &there, &out->nfields, &out->fields, err));
-    else if (H5Lexists(group, "displacement", H5P_DEFAULT) > 0) {
-        PH_ALLOC(out->fields, 1, "the fields");
-        out->nfields = 1;
-        PH_TRY(read_load(r, name, -1, extra, out->fields, err));
-    }
-out:
-    if (group >= 0) H5Gclose(group);
-    return st;
-}
-
-ph_status ph_read_fields_step(const char *path, const ph_grid *grid, int step,
-                              unsigned loads, ph_fields_step **out, ph_error *err)
-{
-    ph_status st = PH_OK;
-    reader r = {.path = path, .file = -1};
-    ph_fields_step *made = NULL;
-    size_t nodes = 3;
-    ph_i_hdf5_quiet quiet;
-    PH_GIVEN(path && grid && out);
-    r.grid = *grid;
-    ph_i_hdf5_begin(&quiet);
-    for (int a = 0; a < 3; a++)
-        nodes *= (size_t)grid->n[a] + 1;
-    PH_ALLOC(made, 1, "a step of the fields file");
-    PH_ALLOC(r.buffer, nodes, "the fields on their way in");
-    PH_HDF5(r.file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), "read");
-    PH_TRY(read_step(&r, step, loads, made, err));
-    *out = made;
-    made = NULL;
-out:
-    if (r.file >= 0) H5Fclose(r.file);
-    ph_i_hdf5_end(&quiet);
-    ph_fields_step_free(&made);
     free(r.buffer);
     return st;
 }
