@@ -267,6 +267,8 @@ ph_status ph_i_run_build(ph_run *r, ph_error *err)
     /* Held or missing nodes need the hourglass term where the material is. */
     r->params.hourglass_in_space = r->setting.source || r->setting.fixed;
     r->params.threads = r->threads;
+    const char *kind = r->problem->solver.kind;
+    r->params.spectrum_in_u = kind && strcmp(kind, "fft_cg_single") == 0;
     /* Points that see more than their own cell end with the body at its faces. */
     bool body = r->constraint->by_stress;
     r->params.one_sided = body && r->family && !r->params.smallest;

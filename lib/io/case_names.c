@@ -12,7 +12,8 @@ static const char *const calibrations[] = {"lattice", "gamma", "continuum"};
 static const char *const weights[] = {"linear", "exact", "none"};
 static const char *const constraints[] = {"periodic", "linear_displacement",
                                           "uniform_traction", "voigt", "reuss"};
-static const char *const solvers[] = {"auto", "fft_cg", "direct", "relaxation"};
+static const char *const solvers[] = {"auto", "fft_cg", "direct", "relaxation",
+                                      "fft_cg_single"};
 static const char *const interfaces[] = {"composite", "node_centre"};
 static const char *const planes[] = {"generalised_strain", "strain", "stress"};
 static const char *const raw_types[] = {"uint8", "uint16", "int32"};

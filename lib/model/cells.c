@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#ifndef PH_SINGLE
 ph_status ph_i_cells_init(ph_cells *cells, const ph_layout *layout,
                           const ph_stiffness_map *map, double c1, double c2,
                           double hourglass, int threads, ph_meter *meter, ph_error *err)
@@ -42,16 +43,18 @@ void ph_i_cells_clear(ph_cells *cells, ph_meter *meter)
                       (size_t)(cells->threads * 2 * l->nd * l->n[1] * l->n[2]));
 }
 
+#endif
+
 /* Point the lines of a thread's workspace at their modes. */
-row ph_i_cells_lines(const ph_cells *c, int thread)
+row PH_REAL(ph_i_cells_lines)(const ph_cells *c, int thread)
 {
     row r;
     const int *ax = c->layout.axis;
-    double *next = c->lines + (ptrdiff_t)thread * LINES * c->line;
-    double *zero = next, *waste = next + c->line;
+    real *next = (real *)c->lines + (ptrdiff_t)thread * LINES * c->line;
+    real *zero = next, *waste = next + c->line;
     r.tmp = next + 2 * c->line;
     next += 3 * c->line;
-    memset(zero, 0, sizeof(double) * (size_t)c->line);
+    memset(zero, 0, sizeof(real) * (size_t)c->line);
     for (int i = 0; i < 3; i++) {
         for (int d = 0; d < 3; d++)
             r.g[i][d] = zero, r.t[i][d] = waste;
@@ -75,17 +78,17 @@ row ph_i_cells_lines(const ph_cells *c, int thread)
 /* ---- corner sums: the modes of one component of one row of cells -------------------- */
 
 typedef struct sums {
-    const double *r00, *r01, *r10, *r11; /* node rows (i,j) (i,j+1) (i+1,j) (i+1,j+1) */
-    double *gx, *gy, *gz, *xy, *xz, *yz, *xyz;
-    double fx, fy, fz;
+    const real *r00, *r01, *r10, *r11; /* node rows (i,j) (i,j+1) (i+1,j) (i+1,j+1) */
+    real *gx, *gy, *gz, *xy, *xz, *yz, *xyz;
+    real fx, fy, fz;
 } sums;
 
 static inline void sum3(const sums *s, ptrdiff_t k, ptrdiff_t n, bool modes)
 {
-    double s00 = s->r00[k] + s->r00[n], d00 = s->r00[n] - s->r00[k];
-    double s01 = s->r01[k] + s->r01[n], d01 = s->r01[n] - s->r01[k];
-    double s10 = s->r10[k] + s->r10[n], d10 = s->r10[n] - s->r10[k];
-    double s11 = s->r11[k] + s->r11[n], d11 = s->r11[n] - s->r11[k];
+    real s00 = s->r00[k] + s->r00[n], d00 = s->r00[n] - s->r00[k];
+    real s01 = s->r01[k] + s->r01[n], d01 = s->r01[n] - s->r01[k];
+    real s10 = s->r10[k] + s->r10[n], d10 = s->r10[n] - s->r10[k];
+    real s11 = s->r11[k] + s->r11[n], d11 = s->r11[n] - s->r11[k];
     s->gx[k] = s->fx * ((s10 + s11) - (s00 + s01));
     s->gy[k] = s->fy * ((s11 - s10) + (s01 - s00));
     s->gz[k] = s->fz * ((d10 + d11) + (d00 + d01));
@@ -98,8 +101,8 @@ static inline void sum3(const sums *s, ptrdiff_t k, ptrdiff_t n, bool modes)
 
 static inline void sum2(const sums *s, ptrdiff_t k, ptrdiff_t n, bool modes)
 {
-    double s0 = s->r00[k] + s->r00[n], d0 = s->r00[n] - s->r00[k];
-    double s1 = s->r10[k] + s->r10[n], d1 = s->r10[n] - s->r10[k];
+    real s0 = s->r00[k] + s->r00[n], d0 = s->r00[n] - s->r00[k];
+    real s1 = s->r10[k] + s->r10[n], d1 = s->r10[n] - s->r10[k];
     s->gx[k] = s->fx * (s1 - s0);
     s->gz[k] = s->fz * (d1 + d0);
     if (modes) s->xz[k] = d1 - d0;
@@ -135,23 +138,23 @@ static int active_axes(const ph_layout *l)
     return (l->axis[0] >= 0) + (l->axis[1] >= 0) + (l->axis[2] >= 0);
 }
 
-void ph_i_cells_gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_t j,
-                       bool modes, row *r)
+void PH_REAL(ph_i_cells_gather)(const ph_cells *c, const real *u, ptrdiff_t i,
+                                ptrdiff_t j, bool modes, row *r)
 {
     const ph_layout *l = &c->layout;
     ptrdiff_t i1 = i + 1 < l->n[0] ? i + 1 : 0, j1 = j + 1 < l->n[1] ? j + 1 : 0,
               n = l->n[2];
     int x = l->axis[0], y = l->axis[1], z = l->axis[2], active = active_axes(l);
     for (int a = 0; a < l->nd; a++) {
-        const double *p = u + a * l->cells;
+        const real *p = u + a * l->cells;
         sums s = {.r00 = p + (i * l->n[1] + j) * n,
                   .r01 = p + (i * l->n[1] + j1) * n,
                   .r10 = p + (i1 * l->n[1] + j) * n,
                   .r11 = p + (i1 * l->n[1] + j1) * n};
-        if (z >= 0) s.gz = r->g[a][z], s.fz = c->f[z];
-        if (x >= 0) s.gx = r->g[a][x], s.fx = c->f[x], s.xz = r->q[a][3 - x - z];
+        if (z >= 0) s.gz = r->g[a][z], s.fz = (real)c->f[z];
+        if (x >= 0) s.gx = r->g[a][x], s.fx = (real)c->f[x], s.xz = r->q[a][3 - x - z];
         if (y >= 0) {
-            s.gy = r->g[a][y], s.fy = c->f[y];
+            s.gy = r->g[a][y], s.fy = (real)c->f[y];
             s.xy = r->q[a][3 - x - y], s.yz = r->q[a][3 - y - z], s.xyz = r->q[a][3];
         }
         sum_line(&s, n, active, modes);
@@ -160,7 +163,7 @@ void ph_i_cells_gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_
 
 static void gather_nothing(const ph_cells *c, row *r)
 {
-    size_t bytes = sizeof(double) * (size_t)c->layout.n[2];
+    size_t bytes = sizeof(real) * (size_t)c->layout.n[2];
     for (int a = 0; a < c->layout.nd; a++) {
         for (int d = 0; d < 3; d++)
             if (c->f[d] != 0.0) memset(r->g[a][d], 0, bytes);
@@ -171,16 +174,16 @@ static void gather_nothing(const ph_cells *c, row *r)
 
 #define RUN(nd, kind)                                                                    \
     for (ptrdiff_t k = from; k < to; k += LANES) {                                       \
-        lanes own = (lanes){0, 1, 2, 3} < (lanes){to - k, to - k, to - k, to - k};       \
+        lanes own = first_lanes(to - k);                                                 \
         mean_mode((nd), (kind), c, w, r, k, own);                                        \
         if (modes) other_modes((nd), (kind), c, w, r, k, own);                           \
     }
 
 /* Tractions of a run of cells of one stiffness. */
-static void stress_run(int nd, ph_hooke kind, const double *c, const weights *w,
+static void stress_run(int nd, ph_hooke kind, const real *c, const weights *w,
                        const row *r, ptrdiff_t from, ptrdiff_t to, bool modes)
 {
-    static const double nothing[36];
+    static const real nothing[36];
     if (kind == PH_HOOKE_ZERO) kind = PH_HOOKE_ISOTROPIC, c = nothing;
     if (nd == 3 && kind == PH_HOOKE_ISOTROPIC) {
         RUN(3, PH_HOOKE_ISOTROPIC)
@@ -193,16 +196,31 @@ static void stress_run(int nd, ph_hooke kind, const double *c, const weights *w,
     }
 }
 
+/* A tensor of the map, in `own` if it has to be rounded. */
+static inline const real *stiffness(const ph_stiffness_map *map, int entry, real own[36])
+{
+    const double *c = map->c + (ptrdiff_t)entry * map->ns * map->ns;
+#ifdef PH_SINGLE
+    for (int i = 0; i < map->ns * map->ns; i++)
+        own[i] = (real)c[i];
+    return own;
+#else
+    (void)own;
+    return c;
+#endif
+}
+
 static void stress_line(const ph_cells *c, const int32_t *index, const weights *w,
                         const row *r, bool modes)
 {
     ptrdiff_t n = c->layout.n[2], to;
+    real own[36];
     weights outside = *w; /* around a body that stands alone: no hourglass term either */
     outside.hourglass = 0.0;
     for (ptrdiff_t from = 0; from < n; from = to) {
         for (to = from + 1; to < n && index[to] == index[from];)
             to++;
-        const double *m = c->map->c + (ptrdiff_t)index[from] * c->map->ns * c->map->ns;
+        const real *m = stiffness(c->map, index[from], own);
         bool body = index[from] != c->map->materials;
         stress_run(c->layout.nd, c->map->hooke[index[from]], m, body ? w : &outside, r,
                    from, to, modes);
@@ -212,36 +230,36 @@ static void stress_line(const ph_cells *c, const int32_t *index, const weights *
 /* ---- forces on the corners: the transpose of the sums -------------------------------- */
 
 /* One node row of one component: sa, sb signs of the row along axes 0 and 1. */
-static void scatter_row(const row *r, int a, const int *ax, double sa, double sb,
-                        ptrdiff_t n, bool modes, double *f)
+static void scatter_row(const row *r, int a, const int *ax, real sa, real sb, ptrdiff_t n,
+                        bool modes, real *f)
 {
     const int x = ax[0], y = ax[1], z = ax[2];
-    const double *tz = r->t[a][z], *tx = x >= 0 ? r->t[a][x] : NULL;
-    const double *ty = y >= 0 ? r->t[a][y] : NULL;
-    double *tmp = r->tmp;
+    const real *tz = r->t[a][z], *tx = x >= 0 ? r->t[a][x] : NULL;
+    const real *ty = y >= 0 ? r->t[a][y] : NULL;
+    real *tmp = r->tmp;
     if (y >= 0 && modes) {
-        const double *xy = r->p[a][3 - x - y], *xz = r->p[a][3 - x - z];
-        const double *yz = r->p[a][3 - y - z], *xyz = r->p[a][3];
+        const real *xy = r->p[a][3 - x - y], *xz = r->p[a][3 - x - z];
+        const real *yz = r->p[a][3 - y - z], *xyz = r->p[a][3];
 #pragma omp simd
         for (ptrdiff_t k = 0; k < n; k++) {
-            double A = sa * tx[k] + sb * ty[k] + sa * sb * xy[k];
-            double B = tz[k] + sa * xz[k] + sb * yz[k] + sa * sb * xyz[k];
+            real A = sa * tx[k] + sb * ty[k] + sa * sb * xy[k];
+            real B = tz[k] + sa * xz[k] + sb * yz[k] + sa * sb * xyz[k];
             f[k] += A - B;
             tmp[k] = A + B;
         }
     } else if (y >= 0) {
 #pragma omp simd
         for (ptrdiff_t k = 0; k < n; k++) {
-            double A = sa * tx[k] + sb * ty[k];
+            real A = sa * tx[k] + sb * ty[k];
             f[k] += A - tz[k];
             tmp[k] = A + tz[k];
         }
     } else if (x >= 0) {
-        const double *xz = r->p[a][3 - x - z];
-        double m = modes ? sa : 0.0;
+        const real *xz = r->p[a][3 - x - z];
+        real m = modes ? sa : (real)0.0;
 #pragma omp simd
         for (ptrdiff_t k = 0; k < n; k++) {
-            double A = sa * tx[k], B = tz[k] + (modes ? m * xz[k] : 0.0);
+            real A = sa * tx[k], B = tz[k] + (modes ? m * xz[k] : (real)0.0);
             f[k] += A - B;
             tmp[k] = A + B;
         }
@@ -258,13 +276,13 @@ static void scatter_row(const row *r, int a, const int *ax, double sa, double sb
 }
 
 /* Forces of cell row j of a plane on its lower and upper node planes. */
-static void scatter(const ph_cells *c, const row *r, ptrdiff_t j, bool modes, double *low,
-                    ptrdiff_t low_stride, double *high)
+static void scatter(const ph_cells *c, const row *r, ptrdiff_t j, bool modes, real *low,
+                    ptrdiff_t low_stride, real *high)
 {
     const ph_layout *l = &c->layout;
     ptrdiff_t n = l->n[2], j1 = j + 1 < l->n[1] ? j + 1 : 0, plane = l->n[1] * n;
     for (int a = 0; a < l->nd; a++) {
-        double *lo = low + a * low_stride, *hi = high + a * plane;
+        real *lo = low + a * low_stride, *hi = high + a * plane;
         scatter_row(r, a, l->axis, -1.0, -1.0, n, modes, lo + j * n);
         if (l->axis[1] >= 0) scatter_row(r, a, l->axis, -1.0, 1.0, n, modes, lo + j1 * n);
         if (l->axis[0] < 0) continue;
@@ -273,12 +291,12 @@ static void scatter(const ph_cells *c, const row *r, ptrdiff_t j, bool modes, do
     }
 }
 
-static void add_plane(const ph_layout *l, const double *plane, ptrdiff_t i, double *f)
+static void add_plane(const ph_layout *l, const real *plane, ptrdiff_t i, real *f)
 {
     ptrdiff_t n = l->n[1] * l->n[2];
     for (int a = 0; a < l->nd; a++) {
-        double *to = f + a * l->cells + i * n;
-        const double *from = plane + a * n;
+        real *to = f + a * l->cells + i * n;
+        const real *from = plane + a * n;
 #pragma omp simd
         for (ptrdiff_t k = 0; k < n; k++)
             to[k] += from[k];
@@ -288,23 +306,23 @@ static void add_plane(const ph_layout *l, const double *plane, ptrdiff_t i, doub
 /* Planes [from, to) of cells. The force on a node plane is always (sum of the cells above)
  * + (sum of the cells below), so that the bits do not depend on how planes are shared out.
  * Returns the buffer that holds the forces on node plane `to`. */
-static const double *apply_slab(const ph_cells *c, const double *u, const weights *w,
-                                ptrdiff_t from, ptrdiff_t to, int thread, double *f)
+static const real *apply_slab(const ph_cells *c, const real *u, const weights *w,
+                              ptrdiff_t from, ptrdiff_t to, int thread, real *f)
 {
     const ph_layout *l = &c->layout;
     ptrdiff_t plane = l->n[1] * l->n[2], buffer = l->nd * plane;
-    double *high[2] = {c->high + 2 * thread * buffer,
-                       c->high + (2 * thread + 1) * buffer};
+    real *work = (real *)c->high;
+    real *high[2] = {work + 2 * thread * buffer, work + (2 * thread + 1) * buffer};
     bool modes = ph_i_cells_has_modes(c);
-    row r = ph_i_cells_lines(c, thread);
+    row r = PH_REAL(ph_i_cells_lines)(c, thread);
     for (ptrdiff_t i = from; i < to; i++) {
-        double *now = high[(i - from) % 2], *before = high[(i - from + 1) % 2];
-        memset(now, 0, sizeof(double) * (size_t)buffer);
+        real *now = high[(i - from) % 2], *before = high[(i - from + 1) % 2];
+        memset(now, 0, sizeof(real) * (size_t)buffer);
         for (int a = 0; a < l->nd; a++)
-            memset(f + a * l->cells + i * plane, 0, sizeof(double) * (size_t)plane);
+            memset(f + a * l->cells + i * plane, 0, sizeof(real) * (size_t)plane);
         for (ptrdiff_t j = 0; j < l->n[1]; j++) {
             if (u)
-                ph_i_cells_gather(c, u, i, j, modes, &r);
+                PH_REAL(ph_i_cells_gather)(c, u, i, j, modes, &r);
             else
                 gather_nothing(c, &r);
             stress_line(c, c->map->index + (i * l->n[1] + j) * l->n[2], w, &r, modes);
@@ -315,14 +333,14 @@ static const double *apply_slab(const ph_cells *c, const double *u, const weight
     return high[(to - from + 1) % 2];
 }
 
-void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro,
-                      double scale, double *f)
+void PH_REAL(ph_i_cells_apply)(const ph_cells *c, const real *u, const double *macro,
+                               double scale, real *f)
 {
     const ph_layout *l = &c->layout;
     weights w = ph_i_cells_weights(c, macro, scale);
     int slabs = c->threads < l->n[0] ? c->threads : (int)l->n[0];
     if (active_axes(l) == 0) {
-        memset(f, 0, sizeof(double) * (size_t)(l->nd * l->cells));
+        memset(f, 0, sizeof(real) * (size_t)(l->nd * l->cells));
         return;
     }
     /* high[s] ends as the forces of slab s on the first plane of slab s + 1. */
@@ -335,10 +353,12 @@ void ph_i_cells_apply(const ph_cells *c, const double *u, const double *macro,
     ptrdiff_t buffer = l->nd * l->n[1] * l->n[2];
     for (int s = 0; s < slabs; s++) {
         ptrdiff_t from = l->n[0] * s / slabs, to = l->n[0] * (s + 1) / slabs;
-        add_plane(l, c->high + (2 * s + (to - from + 1) % 2) * buffer, to % l->n[0], f);
+        add_plane(l, (real *)c->high + (2 * s + (to - from + 1) % 2) * buffer,
+                  to % l->n[0], f);
     }
 }
 
+#ifndef PH_SINGLE
 void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *region,
                      double *f)
 {
@@ -365,3 +385,4 @@ void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *regi
         add_plane(l, high, i + 1 < l->n[0] ? i + 1 : 0, f);
     }
 }
+#endif

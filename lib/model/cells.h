@@ -40,6 +40,9 @@ void ph_i_cells_clear(ph_cells *cells, ph_meter *meter);
  *  `u` NULL: zero. The same bits for any number of threads. */
 void ph_i_cells_apply(const ph_cells *cells, const double *u, const double *macro,
                       double scale, double *f);
+/** The same in single precision, with the same work lines: not at the same time. */
+void ph_i_cells_apply_single(const ph_cells *cells, const float *u, const double *macro,
+                             double scale, float *f);
 
 /** f = B^T sigma of a uniform stress [ns] Mandel in the cells with region[x] != 0. */
 void ph_i_cells_pull(const ph_cells *cells, const double *sigma, const uint8_t *region,

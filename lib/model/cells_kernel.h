@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the loops of cells.c and cells_sums.c share: the lines of one row of cells, and the
- * arithmetic of its modes, four cells at a time. */
+ * arithmetic of its modes, a vector of cells at a time. */
 #ifndef PH_MODEL_CELLS_KERNEL_H
 #define PH_MODEL_CELLS_KERNEL_H
 
+#include "core/real.h"
 #include "model/cells.h"
 
 #include <string.h>
@@ -13,9 +14,9 @@
 enum { PAIRS = 4, LINES = 3 * 3 + 3 * PAIRS + 3 };
 
 typedef struct row {
-    double *g[3][3], *q[3][PAIRS]; /* read; a line of zeros where there is no such mode */
-    double *t[3][3], *p[3][PAIRS]; /* written; a waste line where there is none */
-    double *tmp;
+    real *g[3][3], *q[3][PAIRS]; /* read; a line of zeros where there is no such mode */
+    real *t[3][3], *p[3][PAIRS]; /* written; a waste line where there is none */
+    real *tmp;
 } row;
 
 /** Does the operator have modes beside the average strain? */
@@ -25,34 +26,47 @@ static inline bool ph_i_cells_has_modes(const ph_cells *c)
 }
 
 /** Point the lines of a thread's workspace at their modes. */
-row ph_i_cells_lines(const ph_cells *c, int thread);
+row PH_REAL(ph_i_cells_lines)(const ph_cells *c, int thread);
 /** Read the modes of cell row (i, j) of u into the lines g and, if `modes`, q. */
-void ph_i_cells_gather(const ph_cells *c, const double *u, ptrdiff_t i, ptrdiff_t j,
-                       bool modes, row *r);
+void PH_REAL(ph_i_cells_gather)(const ph_cells *c, const real *u, ptrdiff_t i,
+                                ptrdiff_t j, bool modes, row *r);
 
-/* ---- strain and stress of the modes, four cells at a time ---------------------------- */
+/* ---- strain and stress of the modes, a vector of cells at a time ---------------------------- */
 
-#define R2 0.70710678118654752440 /* 1/sqrt(2): Mandel shear */
+#define R2 ((real)0.70710678118654752440) /* 1/sqrt(2): Mandel shear */
 
-enum { LANES = 4 };
-typedef double vec __attribute__((vector_size(32)));
-typedef double vec_in_memory __attribute__((vector_size(32), aligned(8), may_alias));
-typedef int64_t lanes __attribute__((vector_size(32)));
+enum { LANES = 32 / sizeof(real) };
+typedef real vec __attribute__((vector_size(32)));
+typedef real vec_in_memory
+    __attribute__((vector_size(32), aligned(sizeof(real)), may_alias));
+typedef real_mask lanes __attribute__((vector_size(32)));
 
-static inline vec load(const double *a)
+static inline vec load(const real *a)
 {
     return *(const vec_in_memory *)a;
 }
 
 /* Store the lanes that belong to the run, keep what stands in the others. */
-static inline void store(double *a, vec v, lanes own)
+static inline void store(real *a, vec v, lanes own)
 {
     *(vec_in_memory *)a = (vec)(((lanes)v & own) | ((lanes)load(a) & ~own));
 }
 
-static inline vec all(double x)
+static inline vec all(real x)
 {
-    return (vec){x, x, x, x};
+    vec v;
+    for (int i = 0; i < LANES; i++)
+        v[i] = x;
+    return v;
+}
+
+/* Lanes before `end`. */
+static inline lanes first_lanes(ptrdiff_t end)
+{
+    lanes v;
+    for (int i = 0; i < LANES; i++)
+        v[i] = i < end ? -1 : 0;
+    return v;
 }
 
 /* e += strain of sym(v (x) axis d). nd, d compile-time. */
@@ -69,7 +83,7 @@ static inline void add_column(int nd, vec *e, int d, const vec *v)
 }
 
 /* v = w * column d of the stress */
-static inline void take_column(int nd, const vec *s, int d, double w, vec *v)
+static inline void take_column(int nd, const vec *s, int d, real w, vec *v)
 {
     v[d] = w * s[d];
     if (nd == 2) {
@@ -81,12 +95,12 @@ static inline void take_column(int nd, const vec *s, int d, double w, vec *v)
     v[q] = w * R2 * s[6 - d - q];
 }
 
-static inline void hooke(int ns, ph_hooke kind, const double *c, const vec *e, vec *s)
+static inline void hooke(int ns, ph_hooke kind, const real *c, const vec *e, vec *s)
 {
     const int normal = ns == 6 ? 3 : 2;
     if (kind == PH_HOOKE_ISOTROPIC) {
         vec tr = c[1] * (ns == 6 ? e[0] + e[1] + e[2] : e[0] + e[1]);
-        double mu2 = c[ns * ns - 1];
+        real mu2 = c[ns * ns - 1];
 #pragma GCC unroll 6
         for (int i = 0; i < ns; i++)
             s[i] = i < normal ? mu2 * e[i] + tr : mu2 * e[i];
@@ -102,12 +116,12 @@ static inline void hooke(int ns, ph_hooke kind, const double *c, const vec *e, v
 }
 
 typedef struct weights {
-    double f[3], c1, c2, hourglass, scale;
-    double macro[6];
+    real f[3], c1, c2, hourglass, scale;
+    real macro[6];
 } weights;
 
 /* Average strain -> tractions. */
-static inline void mean_mode(int nd, ph_hooke kind, const double *c, const weights *w,
+static inline void mean_mode(int nd, ph_hooke kind, const real *c, const weights *w,
                              const row *r, ptrdiff_t k, lanes own)
 {
     const int ns = nd == 3 ? 6 : 3;
@@ -133,7 +147,7 @@ static inline void mean_mode(int nd, ph_hooke kind, const double *c, const weigh
 }
 
 /* p += forces of the modes linear along d, whose gradient has the columns of the other axes. */
-static inline void linear_mode(int nd, ph_hooke kind, const double *c, const weights *w,
+static inline void linear_mode(int nd, ph_hooke kind, const real *c, const weights *w,
                                int d, vec q[PAIRS][3], vec p[PAIRS][3])
 {
     const int ns = nd == 3 ? 6 : 3;
@@ -161,7 +175,7 @@ static inline void linear_mode(int nd, ph_hooke kind, const double *c, const wei
 }
 
 /* p += forces of the mode bilinear in the axes other than d: one column. */
-static inline void bilinear_mode(ph_hooke kind, const double *c, const weights *w, int d,
+static inline void bilinear_mode(ph_hooke kind, const real *c, const weights *w, int d,
                                  vec q[PAIRS][3], vec p[PAIRS][3])
 {
     vec e[6], s[6], v[3];
@@ -180,7 +194,7 @@ static inline void bilinear_mode(ph_hooke kind, const double *c, const weights *
 }
 
 /* The modes beside the average. The lines q and p are the same: read all, then write. */
-static inline void other_modes(int nd, ph_hooke kind, const double *c, const weights *w,
+static inline void other_modes(int nd, ph_hooke kind, const real *c, const weights *w,
                                const row *r, ptrdiff_t k, lanes own)
 {
     const int low = nd == 3 ? 0 : 2, high = nd == 3 ? PAIRS : 3;
@@ -211,8 +225,14 @@ static inline void other_modes(int nd, ph_hooke kind, const double *c, const wei
 static inline weights ph_i_cells_weights(const ph_cells *c, const double *macro,
                                          double scale)
 {
-    weights w = {{c->f[0], c->f[1], c->f[2]}, c->c1, c->c2, c->hourglass, scale, {0}};
-    if (macro) memcpy(w.macro, macro, sizeof(double) * (size_t)c->layout.ns);
+    weights w = {.c1 = (real)c->c1,
+                 .c2 = (real)c->c2,
+                 .hourglass = (real)c->hourglass,
+                 .scale = (real)scale};
+    for (int d = 0; d < 3; d++)
+        w.f[d] = (real)c->f[d];
+    for (int i = 0; macro && i < c->layout.ns; i++)
+        w.macro[i] = (real)macro[i];
     return w;
 }
 

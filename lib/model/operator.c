@@ -193,8 +193,9 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     PH_TRY(ph_i_fft_new(&op->layout, op->threads, &op->fft, err));
     op->modes = ph_i_fft_modes(op->fft);
     size_t cells = (size_t)op->layout.cells, nd = (size_t)op->layout.nd;
+    op->nu = nd * (p->spectrum_in_u ? 2 * (size_t)op->modes : cells);
     if (p->classes) { /* a medium of springs */
-        PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
+        PH_DOUBLES(op->u, meter, op->nu, "a displacement field");
         PH_DOUBLES(op->f, meter, nd * cells, "a force field");
         PH_TRY(ph_i_springs_new(&op->layout, op->fft, p->family, p->classes, p->route,
                                 op->threads, meter, &op->springs, err));
@@ -209,7 +210,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
              "sub-points know nothing of broken bonds: take stabilisation spectral");
     op->shares_f = op->route == PH_ROUTE_CONVOLUTION &&
                    p->stabilisation != PH_STABILISE_SUBPOINT && !p->broken;
-    PH_DOUBLES(op->u, meter, nd * cells, "a displacement field");
+    PH_DOUBLES(op->u, meter, op->nu, "a displacement field");
     if (!op->shares_f) PH_DOUBLES(op->f, meter, nd * cells, "a force field");
     if (op->route == PH_ROUTE_BONDS) { /* everything is in the lists */
         op->share = p->stabilisation == PH_STABILISE_SUBPOINT ? 1.0 - p->value : 1.0;
@@ -258,7 +259,7 @@ void ph_i_operator_free(ph_operator **out)
     ph_i_damaged_free(&op->damaged);
     for (int i = 0; i < op->nsub; i++)
         ph_i_stencil_free(&op->sub[i]);
-    ph_i_doubles_free(op->meter, &op->u, nd * cells);
+    ph_i_doubles_free(op->meter, &op->u, op->nu);
     if (!op->shares_f) ph_i_doubles_free(op->meter, &op->f, nd * cells);
     ph_i_doubles_free(op->meter, &op->e, (size_t)op->layout.ns * cells);
     ph_i_doubles_free(op->meter, &op->spectral, (size_t)op->modes);

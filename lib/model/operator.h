@@ -41,6 +41,7 @@ typedef struct ph_operator {
     ph_damaged *damaged; /* nodes that have lost bonds, or NULL */
     const ph_family *family;
     double *u, *f;      /* [nd][cells] */
+    size_t nu;          /* doubles of u */
     bool shares_f;      /* f is the beginning of e */
     double *e;          /* [ns][cells], stencil and convolution */
     double *pad;        /* stencil */

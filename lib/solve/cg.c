@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "solve/cg.h"
 
+#include "core/real.h"
+
 #include <math.h>
 #include <string.h>
 
+#ifndef PH_SINGLE
 bool ph_i_told_to_stop(const ph_cg_report *rep)
 {
     if (!rep->ctx || !rep->ctx->progress) return false;
@@ -26,6 +29,8 @@ ph_status ph_i_give_up(ph_status status, const ph_cg_report *rep, const char *wh
     }
     return st;
 }
+
+#endif
 
 /* Weight of the last node in the rule of Gauss-Radau: what is left is at most radau r.z. */
 typedef struct energy_bound {
@@ -64,28 +69,28 @@ static bool little_gained(double gained[PH_CG_LOOK_BACK], double gain, ph_cg_rep
 static const double poor_guess = 0.1;
 
 /* Begin at the guess x, r being the load; false, and r as it was, where it is a poor one. */
-static bool take_guess(const ph_linear *s, double b2, double *x, double *r, double *p,
-                       double *q, ph_cg_report *rep)
+static bool take_guess(const PH_REAL(ph_linear) * s, double b2, real *x, real *r, real *p,
+                       real *q, ph_cg_report *rep)
 {
     if (!rep->guessed || !(b2 > 0.0)) return false;
     s->apply(s->self, x, q);
-    memset(p, 0, ph_i_space_size(s->space) * sizeof(double));
-    double left = sqrt(ph_i_step(s->space, 1.0, p, q, p, r) / b2);
+    memset(p, 0, ph_i_space_size(s->space) * sizeof(real));
+    double left = sqrt(PH_REAL(ph_i_step)(s->space, 1.0, p, q, p, r) / b2);
     if (left <= poor_guess) {
         rep->residual = left;
         return true;
     }
-    ph_i_step(s->space, -1.0, p, q, p, r);
+    PH_REAL(ph_i_step)(s->space, -1.0, p, q, p, r);
     return false;
 }
 
 /* Names of [Hestenes1952]: r residual, z = M r, p direction, q = A p. */
-ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q,
-                  ph_cg_report *rep, ph_error *err)
+ph_status PH_REAL(ph_i_cg)(const PH_REAL(ph_linear) * s, real *x, real *r, real *p,
+                           real *q, ph_cg_report *rep, ph_error *err)
 {
     const ph_space *space = s->space;
-    size_t bytes = ph_i_space_size(space) * sizeof(double);
-    double b2 = ph_i_dot(space, r, r), rz = 0.0;
+    size_t bytes = ph_i_space_size(space) * sizeof(real);
+    double b2 = PH_REAL(ph_i_dot)(space, r, r), rz = 0.0;
     rep->iterations = 0;
     rep->residual = b2 > 0.0 ? 1.0 : 0.0;
     rep->energy = rep->energy_left = 0.0;
@@ -101,16 +106,16 @@ ph_status ph_i_cg(const ph_linear *s, double *x, double *r, double *p, double *q
         if (!converged && rep->iterations >= rep->max_iterations)
             return ph_i_give_up(PH_ENOCONV, rep, "not converged", err);
         s->precondition(s->self, r, q); /* z lives in q until A p is there */
-        double rz_new = ph_i_dot(space, r, q);
+        double rz_new = PH_REAL(ph_i_dot)(space, r, q);
         if (bound_energy(&bound, rz_new, rep) || converged) return PH_OK;
-        ph_i_direction(space, rep->iterations ? rz_new / rz : 0.0, q, p);
+        PH_REAL(ph_i_direction)(space, rep->iterations ? rz_new / rz : 0.0, q, p);
         rz = rz_new;
         s->apply(s->self, p, q);
-        double pq = ph_i_dot(space, p, q);
+        double pq = PH_REAL(ph_i_dot)(space, p, q);
         if (!(pq > 0.0) || !(rz > 0.0) || !isfinite(pq))
             return ph_i_give_up(PH_ESINGULAR, rep, "the system is singular for this load",
                                 err);
-        double r2 = ph_i_step(space, rz / pq, p, q, x, r);
+        double r2 = PH_REAL(ph_i_step)(space, rz / pq, p, q, x, r);
         bound.alpha = rz / pq;
         rep->energy += bound.alpha * rz;
         rep->iterations++;

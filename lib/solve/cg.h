@@ -5,13 +5,17 @@
 
 #include "solve/space.h"
 
-/** A symmetric positive semidefinite system with its preconditioner. */
-typedef struct ph_linear {
-    const ph_space *space;
-    void *self;
-    void (*apply)(void *self, const double *p, double *q);        /* q = A p */
-    void (*precondition)(void *self, const double *r, double *z); /* z = M r */
-} ph_linear;
+/** A symmetric positive semidefinite system with its preconditioner, in precision R:
+ *  apply q = A p, precondition z = M r. */
+#define PH_LINEAR(R, suffix)                                                             \
+    typedef struct ph_linear##suffix {                                                   \
+        const ph_space *space;                                                           \
+        void *self;                                                                      \
+        void (*apply)(void *self, const R *p, R *q);                                     \
+        void (*precondition)(void *self, const R *r, R *z);                              \
+    } ph_linear##suffix
+PH_LINEAR(double, );
+PH_LINEAR(float, _single);
 
 enum { PH_CG_LOOK_BACK = 8 };
 
@@ -50,7 +54,10 @@ ph_status ph_i_give_up(ph_status status, const ph_cg_report *report, const char 
  *  @param p, q       work vectors
  *  @return PH_OK; PH_ENOCONV with the best iterate in x; PH_ESINGULAR if A is not
  *          positive semidefinite or b does not belong to it; PH_ECANCELLED. */
-ph_status ph_i_cg(const ph_linear *system, double *x, double *r, double *p, double *q,
-                  ph_cg_report *report, ph_error *err);
+#define PH_CG(R, suffix)                                                                 \
+    ph_status ph_i_cg##suffix(const ph_linear##suffix *system, R *x, R *r, R *p, R *q,   \
+                              ph_cg_report *report, ph_error *err)
+PH_CG(double, );
+PH_CG(float, _single);
 
 #endif

@@ -81,6 +81,17 @@ static double reference_factor(const ph_system *system)
     return few && p->value < reference_alpha ? reference_alpha / p->value : 1.0;
 }
 
+ph_status ph_i_reference_green(const ph_system *system, ph_green *green, double *storage,
+                               ph_error *err)
+{
+    ph_operator *op = system->op;
+    double factor = op->stabilise;
+    ph_i_operator_stabilise(op, factor * reference_factor(system));
+    ph_status st = ph_i_green_init(green, op, &op->map->middle, storage, err);
+    ph_i_operator_stabilise(op, factor);
+    return st;
+}
+
 ph_status ph_i_fft_cg_init(const ph_system *system, void **state, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -93,11 +104,7 @@ ph_status ph_i_fft_cg_init(const ph_system *system, void **state, ph_error *err)
     s->fixed = system->setting->fixed;
     PH_TRY(ph_i_space_init(&s->space, &s->op->layout, s->fixed ? NULL : s->op->fft,
                            s->op->threads, err));
-    double factor = s->op->stabilise;
-    ph_i_operator_stabilise(s->op, factor * reference_factor(system));
-    st = ph_i_green_init(&s->green, s->op, &s->op->map->middle, err);
-    ph_i_operator_stabilise(s->op, factor);
-    if (st != PH_OK) goto out;
+    PH_TRY(ph_i_reference_green(system, &s->green, NULL, err));
     size_t n = ph_i_space_size(&s->space);
     PH_DOUBLES(s->x, s->meter, n, "the solution");
     PH_DOUBLES(s->r, s->meter, n, "the residual");

@@ -76,15 +76,17 @@ static void invert_mode(double *P, int nd, ptrdiff_t modes, ptrdiff_t k, double 
             P[(nd == 3 ? place3[i][j] : place2[i][j]) * modes + k] = inv[i][j] / top;
 }
 
-ph_status ph_i_green_init(ph_green *g, ph_operator *op, const ph_sym4 *C0, ph_error *err)
+ph_status ph_i_green_init(ph_green *g, ph_operator *op, const ph_sym4 *C0,
+                          double *storage, ph_error *err)
 {
     ph_status st = PH_OK;
     g->nd = op->layout.nd;
     g->threads = op->threads;
     g->modes = op->modes;
-    g->inverse = NULL;
-    PH_DOUBLES(g->inverse, op->meter, (size_t)(packed_size(g->nd) * g->modes),
-               "the preconditioner");
+    g->inverse = storage;
+    if (!storage)
+        PH_DOUBLES(g->inverse, op->meter, (size_t)(packed_size(g->nd) * g->modes),
+                   "the preconditioner");
     PH_TRY(ph_i_operator_symbol(op, C0, g->inverse, err));
     double top = 0.0;
     for (ptrdiff_t k = 0; k < g->nd * g->modes; k++)

@@ -45,12 +45,16 @@ extern const size_t ph_nsolvers;
                                   ph_cg_report *report, ph_error *err);                  \
     void ph_i_##name##_free(void **state)
 PH_SOLVER_FUNCTIONS(fft_cg);
+PH_SOLVER_FUNCTIONS(fft_cg_single);
 PH_SOLVER_FUNCTIONS(direct);
 PH_SOLVER_FUNCTIONS(relaxation);
 ph_status ph_i_direct_broke(void *state, bool *done, ph_error *err);
 /** Factors that it has made since `init`. */
 int ph_i_direct_factors(const void *state);
 
+/** Green's operator of the reference medium of fft_cg, as ph_i_green_init. */
+ph_status ph_i_reference_green(const ph_system *system, ph_green *green, double *storage,
+                               ph_error *err);
 /** What fft_cg works with, for other iterations on the same system: the system, whose vectors
  *  are half spectra or, where nodes are held, fields; and its vectors x, r, p, q. */
 void ph_i_fft_cg_parts(void *state, ph_linear *system, double *vector[4]);

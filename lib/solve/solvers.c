@@ -22,6 +22,11 @@ const ph_solver_method ph_solvers[] = {
      true,
      FUNCTIONS(relaxation),
      NULL},
+    {{"fft_cg_single", "fft_cg in single precision: half the memory, refined in double",
+      "Wilkinson1963", "periodic; stress points of the smallest family, local"},
+     false,
+     FUNCTIONS(fft_cg_single),
+     NULL},
 };
 const size_t ph_nsolvers = sizeof ph_solvers / sizeof *ph_solvers;
 

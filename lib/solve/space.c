@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "solve/space.h"
 
+#include "core/real.h"
+
+#ifndef PH_SINGLE
 ph_status ph_i_space_init(ph_space *space, const ph_layout *layout, const ph_fft *fft,
                           int threads, ph_error *err)
 {
@@ -22,20 +25,22 @@ void ph_i_space_clear(ph_space *space)
     space->partial = NULL;
 }
 
+#endif
+
 /* Sum of a half spectrum over the whole: twice, but for the columns that stand alone. */
-static double plane_dot(const ph_space *s, const double *restrict a,
-                        const double *restrict b)
+static double plane_dot(const ph_space *s, const real *restrict a, const real *restrict b)
 {
     double sum = 0.0, own = 0.0;
 #pragma omp simd reduction(+ : sum)
     for (ptrdiff_t k = 0; k < s->plane; k++)
-        sum += a[k] * b[k];
+        sum += (double)a[k] * (double)b[k];
     if (!s->row) return sum;
     for (ptrdiff_t k = 0; k < s->plane; k += s->row) {
-        own += a[k] * b[k] + a[k + 1] * b[k + 1];
+        own += (double)a[k] * (double)b[k] + (double)a[k + 1] * (double)b[k + 1];
         if (s->nyquist && s->row > 2) {
             ptrdiff_t last = k + s->row - 2;
-            own += a[last] * b[last] + a[last + 1] * b[last + 1];
+            own += (double)a[last] * (double)b[last] +
+                   (double)a[last + 1] * (double)b[last + 1];
         }
     }
     return 2.0 * sum - own;
@@ -49,7 +54,7 @@ static double in_order(const ph_space *s)
     return sum;
 }
 
-double ph_i_dot(const ph_space *s, const double *a, const double *b)
+double PH_REAL(ph_i_dot)(const ph_space *s, const real *a, const real *b)
 {
 #pragma omp parallel for num_threads(s->threads) schedule(static)
     for (ptrdiff_t i = 0; i < s->planes; i++)
@@ -57,27 +62,29 @@ double ph_i_dot(const ph_space *s, const double *a, const double *b)
     return in_order(s);
 }
 
-double ph_i_step(const ph_space *s, double alpha, const double *p, const double *q,
-                 double *x, double *r)
+double PH_REAL(ph_i_step)(const ph_space *s, double alpha, const real *p, const real *q,
+                          real *x, real *r)
 {
+    const real step = (real)alpha;
 #pragma omp parallel for num_threads(s->threads) schedule(static)
     for (ptrdiff_t i = 0; i < s->planes; i++) {
-        const double *restrict pi = p + i * s->plane, *restrict qi = q + i * s->plane;
-        double *restrict xi = x + i * s->plane, *restrict ri = r + i * s->plane;
+        const real *restrict pi = p + i * s->plane, *restrict qi = q + i * s->plane;
+        real *restrict xi = x + i * s->plane, *restrict ri = r + i * s->plane;
 #pragma omp simd
         for (ptrdiff_t k = 0; k < s->plane; k++) {
-            xi[k] += alpha * pi[k];
-            ri[k] -= alpha * qi[k];
+            xi[k] += step * pi[k];
+            ri[k] -= step * qi[k];
         }
         s->partial[i] = plane_dot(s, ri, ri);
     }
     return in_order(s);
 }
 
-void ph_i_direction(const ph_space *s, double beta, const double *z, double *p)
+void PH_REAL(ph_i_direction)(const ph_space *s, double beta, const real *z, real *p)
 {
-    ptrdiff_t n = s->planes * s->plane;
+    const ptrdiff_t n = s->planes * s->plane;
+    const real factor = (real)beta;
 #pragma omp parallel for simd num_threads(s->threads) schedule(static, PH_CHUNK)
     for (ptrdiff_t k = 0; k < n; k++)
-        p[k] = z[k] + beta * p[k];
+        p[k] = z[k] + factor * p[k];
 }

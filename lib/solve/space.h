@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The vectors of a solver: [components][planes][plane] doubles, in real space, or complex
+/* The vectors of a solver: [components][planes][plane] numbers, in real space, or complex
  * half spectra whose products count the conjugate half. Sums are taken plane by plane and
  * then in order, so that they do not depend on the number of threads. */
 #ifndef PH_SOLVE_SPACE_H
@@ -10,8 +10,8 @@
 
 typedef struct ph_space {
     ptrdiff_t planes; /* nd * n0 */
-    ptrdiff_t plane;  /* doubles per plane */
-    ptrdiff_t row;    /* doubles per row of a half spectrum; 0: real space */
+    ptrdiff_t plane;  /* numbers per plane */
+    ptrdiff_t row;    /* numbers per row of a half spectrum; 0: real space */
     bool nyquist;     /* the last column of a row stands for itself */
     int threads;
     double *partial; /* [2][planes] */
@@ -25,12 +25,14 @@ static inline size_t ph_i_space_size(const ph_space *s)
     return (size_t)(s->planes * s->plane);
 }
 
-/** a . b */
-double ph_i_dot(const ph_space *space, const double *a, const double *b);
-/** x += alpha p, r -= alpha q; returns r . r */
-double ph_i_step(const ph_space *space, double alpha, const double *p, const double *q,
-                 double *x, double *r);
-/** p = z + beta p */
-void ph_i_direction(const ph_space *space, double beta, const double *z, double *p);
+/** In precision R: _dot a . b; _step x += alpha p, r -= alpha q, returns r . r; _direction
+ *  p = z + beta p. Sums are double. */
+#define PH_SPACE_FUNCTIONS(R, suffix)                                                    \
+    double ph_i_dot##suffix(const ph_space *space, const R *a, const R *b);              \
+    double ph_i_step##suffix(const ph_space *space, double alpha, const R *p,            \
+                             const R *q, R *x, R *r);                                    \
+    void ph_i_direction##suffix(const ph_space *space, double beta, const R *z, R *p)
+PH_SPACE_FUNCTIONS(double, );
+PH_SPACE_FUNCTIONS(float, _single);
 
 #endif

@@ -13,6 +13,7 @@
  *   point:10                       the material point with so many terms, n = 6
  *   damage:20                      the same with a damage law of so many segments
  *   stepping:V29:64                a thousand steps over twelve decades, all loads, beside it
+ *   precision:32                   fft_cg_single beside fft_cg: error, CPU time, bytes by contrast and tolerance
  *
  * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
  * runs, unless called wall. Ratios are of two runs in the same minute. */
@@ -436,7 +437,7 @@ static double iteration(const ptrdiff_t *n, const char *points, double horizon,
     params.route = route;
     if (ph_i_operator_new(&micro->grid, map, &params, &meter, &p.op, &err) ||
         ph_i_space_init(&p.space, &p.op->layout, p.op->fft, 1, &err) ||
-        ph_i_green_init(&p.green, p.op, &map->middle, &err))
+        ph_i_green_init(&p.green, p.op, &map->middle, NULL, &err))
         die("iteration", &err);
     size_t size = ph_i_space_size(&p.space);
     p.x = ph_i_doubles_new(&meter, size);
@@ -578,6 +579,59 @@ static void bench_point(const char *kind, int size_of_law)
     ph_point_material_free(&point);
 }
 
+/* fft_cg and fft_cg_single on spheres of one contrast: error against 1e-11, CPU seconds and
+ * bytes of the solution, by tolerance. */
+static ph_result *solved(ph_problem *p, const char *kind, double tolerance, double *cpu)
+{
+    ph_error err = PH_ERROR_INIT;
+    ph_result *res = NULL;
+    p->solver = (ph_solver_params){.kind = kind, .tolerance = tolerance};
+    double start = clock_of(CLOCK_PROCESS_CPUTIME_ID);
+    if (ph_homogenise(p, &(ph_ctx){.threads = 1}, &res, &err) != PH_OK)
+        fprintf(stderr, "%s %g: %s\n", kind, tolerance, err.msg);
+    *cpu = clock_of(CLOCK_PROCESS_CPUTIME_ID) - start;
+    if (res && !res->converged) ph_result_free(&res);
+    return res;
+}
+
+static double apart(const ph_result *a, const ph_result *b)
+{
+    ph_sym4 d = ph_sym4_combine(1.0, &a->stiffness, -1.0, &b->stiffness);
+    return ph_sym4_norm(&d) / ph_sym4_norm(&b->stiffness);
+}
+
+static void bench_precision(int n)
+{
+    for (int e = 0; e <= 4; e++) {
+        ph_error err = PH_ERROR_INIT;
+        scene s = scene_seeded("SC", n, "nosb", false, 0);
+        double E = e == 0 ? 2.0 : pow(10.0, e), cpu, once;
+        if (ph_material_isotropic("f", E, 0.3, &s.micro->materials[1], &err))
+            die("precision", &err);
+        ph_result *exact = solved(&s.problem, "fft_cg", 1e-11, &cpu);
+        for (int t = 2; exact && t <= 10; t += 2) {
+            double tolerance = pow(10.0, -t);
+            ph_result *two = solved(&s.problem, "fft_cg", tolerance, &cpu);
+            ph_result *one = solved(&s.problem, "fft_cg_single", tolerance, &once);
+            printf("{\"bench\": \"precision\", \"n\": %d, \"contrast\": %g, "
+                   "\"tolerance\": %g, \"error_double\": %.2g, \"error_single\": %.2g, "
+                   "\"iterations_double\": %ld, \"iterations_single\": %ld, "
+                   "\"cpu_ratio\": %.2f, \"bytes_ratio\": %.2f}\n",
+                   n, E, tolerance, two ? apart(two, exact) : (double)NAN,
+                   one ? apart(one, exact) : (double)NAN, two ? two->work.iterations : -1,
+                   one ? one->work.iterations : -1, once / cpu,
+                   one && two
+                       ? (double)one->work.peak_bytes / (double)two->work.peak_bytes
+                       : NAN);
+            fflush(stdout);
+            ph_result_free(&two);
+            ph_result_free(&one);
+        }
+        ph_result_free(&exact);
+        scene_free(&s);
+    }
+}
+
 static int run(const char *word)
 {
     ptrdiff_t n[3] = {1, 1, 1};
@@ -592,6 +646,8 @@ static int run(const char *word)
         bench_threads(name, size);
     else if (sscanf(word, "clay:%d", &size) == 1)
         bench_clay(size);
+    else if (sscanf(word, "precision:%d", &size) == 1)
+        bench_precision(size);
     else if (sscanf(word, "stepping:%31[^:]:%d", name, &size) == 2)
         bench_stepping(name, size);
     else if (sscanf(word, "relax:%31[^:]:%d", name, &size) == 2)
