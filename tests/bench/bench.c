@@ -622,7 +622,7 @@ static void bench_precision(int n)
                    one ? one->work.iterations : -1, once / cpu,
                    one && two
                        ? (double)one->work.peak_bytes / (double)two->work.peak_bytes
-                       : NAN);
+                       : (double)NAN);
             fflush(stdout);
             ph_result_free(&two);
             ph_result_free(&one);
