@@ -5,12 +5,14 @@
 usage: test_perihom.py ROOT PERIHOM
 """
 import gc
+import inspect
 import json
 import os
 import subprocess
 import sys
 import tempfile
 import threading
+import typing
 
 import numpy as np
 
@@ -382,8 +384,24 @@ def fe2():
     raises(TypeError, lambda: perihom.FE2(blob(), kappa=1), "kappa")
 
 
+def words_and_hints():
+    """Every public name has a docstring, every public call says what it returns."""
+    for name in perihom.__all__:
+        thing = getattr(perihom, name)
+        calls = [(name, thing)] if inspect.isfunction(thing) else []
+        assert name == "version" or thing.__doc__, name
+        for member, m in vars(thing).items() if inspect.isclass(thing) else ():
+            f = m.fget if isinstance(m, property) else getattr(m, "__func__", m)
+            if inspect.isfunction(f) and not member.startswith("_"):
+                calls.append((name + "." + member, f))
+        for what, f in calls:
+            assert f.__doc__, what
+            assert "return" in typing.get_type_hints(f), what
+
+
 tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
-         threads_do_not_meet, cards_and_catalogues, material_points, cracked_cases, damage_laws, relaxing_composites, superelements, fe2]
+         threads_do_not_meet, cards_and_catalogues, material_points, cracked_cases, damage_laws,
+         relaxing_composites, superelements, fe2, words_and_hints]
 failed = 0
 for number, test in enumerate(tests, 1):
     try:

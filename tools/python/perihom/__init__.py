@@ -99,6 +99,7 @@ class Material:
 
     @property
     def name(self) -> str:
+        """As given."""
         return _text(self._c.name)
 
     @property
@@ -168,7 +169,7 @@ class Microstructure:
         return self
 
     @property
-    def shape(self):
+    def shape(self) -> tuple:
         """Cells along each axis."""
         n = self._c.grid.n
         return (n[0], n[1], n[2]) if self._c.grid.kinematics == 0 else (n[0], n[1])
@@ -179,7 +180,8 @@ class Microstructure:
         return _KINEMATICS[self._c.grid.kinematics]
 
     @property
-    def size(self):
+    def size(self) -> tuple:
+        """Lengths of the box."""
         return tuple(self._c.grid.size[i] for i in range(len(self.shape)))
 
     @property
@@ -271,6 +273,7 @@ class Case:
 
     @property
     def title(self) -> str:
+        """As the case file has it."""
         return _text(self._c.title)
 
     def to_dict(self) -> dict:
@@ -335,6 +338,7 @@ class Result:
 
     @property
     def compliance(self) -> np.ndarray:
+        """Inverse of the stiffness, Voigt."""
         inverse, err = ffi.new("ph_sym4 *"), ffi.new("ph_error *")
         _check(lib.ph_sym4_inverse(ffi.new("ph_sym4 *", self._c.stiffness), inverse, err), err)
         return _voigt(inverse[0], False)
@@ -367,10 +371,12 @@ class Result:
 
     @property
     def fractions(self) -> dict:
+        """Volume fraction of each material."""
         return {_text(self._c.names[i]): self._c.fractions[i] for i in range(self._c.nmaterials)}
 
     @property
     def quality(self) -> dict:
+        """How far averages and energies agree."""
         return {"hill_mandel": self._c.hill_mandel, "strain_average": self._c.strain_average,
                 "asymmetry": self._c.asymmetry, "stabilisation_energy": self._c.stabilisation_energy}
 
@@ -397,10 +403,12 @@ class Result:
 
     @property
     def iterations(self) -> list:
+        """Of each load."""
         return [self._c.iterations[i] for i in range(self._c.nloads)]
 
     @property
     def cost(self) -> dict:
+        """Seconds, bytes, threads."""
         w = self._c.work
         return {"seconds": self._c.seconds, "seconds_solve": self._c.seconds_solve, "threads": self._c.threads,
                 "loads": w.loads, "iterations": w.iterations, "applications": w.applications, "ffts": w.ffts,

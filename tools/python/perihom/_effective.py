@@ -47,6 +47,7 @@ class Series:
 
     @property
     def instantaneous(self) -> np.ndarray:
+        """C(0+), Voigt."""
         return _voigt(lib.ph_prony_instantaneous(self._c))
 
     def at(self, time: float) -> np.ndarray:
@@ -178,15 +179,18 @@ class Effective:
 
     @property
     def title(self) -> str:
+        """Of the case."""
         return _text(self._c.title)
 
     @property
     def units(self) -> dict:
+        """Labels of length, stress and time."""
         return {"length": _text(self._c.unit_length), "stress": _text(self._c.unit_stress),
                 "time": _text(self._c.unit_time)}
 
     @property
     def kinematics(self) -> str:
+        """"space", "generalised_strain", "strain" or "stress"."""
         return _KINEMATICS[self._c.kinematics]
 
     def card(self, to: str, name: str = "perihom", id: int = 1, symmetry: Optional[str] = None,

@@ -163,10 +163,12 @@ class Points:
 
     @property
     def time(self) -> np.ndarray:
+        """[points] sum of the accepted dt."""
         return np.array([s.time for s in self._states()])
 
     @property
     def broken_bonds(self) -> np.ndarray:
+        """[points] by their history, without initial cracks."""
         return np.array([s.broken_bonds for s in self._states()])
 
     @property
