@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The criteria, and what is kept of a failure. With the pair energy 1/2 V k E s^2 |xi|^4 of a
- * spring at stretch s, and |xi_n| / (2 V) bonds of an offset through a unit of area,
+/* The criteria, and what is kept of a failure. A spring at stretch s holds the pair energy
+ * 1/2 V k E s^2 |xi|^4, and |xi_n| / (2 V) bonds of an offset pass through a unit of area. A
+ * bond that breaks releases 1/2 k e- e+, its elongations before and after: of a bond in a
+ * whole lattice e+ = e- / (1 - rho_b), where rho_b is its share in what holds its ends.
  *
- *   G = 1/4 E s_c^2 sum_b |xi_n| k_b |xi_b|^4         critical stretch
- *   G = 1/2 w_c sum_b |xi_n| share_b V                constant bond energy w_c share_b V^2
+ *   G = 1/4 E s_c^2 sum_b |xi_n| k_b |xi_b|^4 / (1 - rho_b)    critical stretch
+ *   G = 1/2 w_c sum_b |xi_n| share_b V / (1 - rho_b)           energy w_c share_b V^2
  */
 #include <perihom/failure.h>
 

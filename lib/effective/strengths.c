@@ -30,23 +30,81 @@ static double share_of(const ph_run *r, const ph_grid *g, const double xi[3])
     return weight_of(r)->eval(xi, g->h, active, r->family->horizon);
 }
 
+/* Of a lattice that one bond holds together, with the nearest neighbours alone. */
+static const double most_of_rigidity = 0.5;
+
 /* ---- what crosses a plane ---------------------------------------------------------------- */
 
-static ph_crossing crossing_of(const ph_run *r, const ph_grid *g, const ph_family *f)
+/* sum over b of k_b (1 - cos k.o_b) xi_b xi_b, the symbol of springs, inverted
+ * on the active axes; false at k = 0. */
+static bool inverse_symbol(const ph_family *f, const double k[3], ph_sym4 *inverse)
 {
-    ph_crossing sum = {0};
+    ph_sym4 P = {.n = 3};
+    ph_error ignored = PH_ERROR_INIT;
+    double trace = 0.0;
+    for (ptrdiff_t b = 0; b < f->count; b++) {
+        double c = 1.0 - cos(k[0] * f->offset[b][0] + k[1] * f->offset[b][1] +
+                             k[2] * f->offset[b][2]);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                P.m[i][j] += c * f->w[b] * f->xi[b][i] * f->xi[b][j];
+    }
+    for (int i = 0; i < 3; i++)
+        trace += P.m[i][i];
+    for (int i = 0; i < 3; i++)
+        if (!f->active[i]) P.m[i][i] = trace;
+    return trace > 0.0 && ph_sym4_inverse(&P, inverse, &ignored) == PH_OK;
+}
+
+/* rho_b = k_b c_b . A^-1 c_b of every bond of an endless lattice, c_b its elongation: the
+ * mean over wave vectors of k_b 2 (1 - cos k.o_b) xi_b . P^-1 xi_b. */
+static void shares_of_rigidity(const ph_family *f, int dims, double *rho)
+{
+    enum { WAVES = 12 };
+    static const double pi = 3.14159265358979323846;
+    int points = dims == 3 ? WAVES * WAVES * WAVES : WAVES * WAVES;
+    for (int at = 0; at < points; at++) {
+        double k[3];
+        ph_sym4 inverse;
+        for (int d = 0, rest = at; d < 3; d++, rest /= WAVES)
+            k[d] = 2.0 * pi * (rest % WAVES) / WAVES;
+        if (!inverse_symbol(f, k, &inverse)) continue;
+        for (ptrdiff_t b = 0; b < f->count; b++) {
+            double c = 1.0 - cos(k[0] * f->offset[b][0] + k[1] * f->offset[b][1] +
+                                 k[2] * f->offset[b][2]);
+            double sum = 0.0;
+            for (int i = 0; i < 3; i++)
+                for (int j = 0; j < 3; j++)
+                    sum += f->xi[b][i] * inverse.m[i][j] * f->xi[b][j];
+            rho[b] += 2.0 * c * f->w[b] * sum / points;
+        }
+    }
+}
+
+static ph_status crossing_of(const ph_run *r, const ph_grid *g, const ph_family *f,
+                             bool springs, ph_crossing *sum, ph_error *err)
+{
+    ph_status st = PH_OK;
     int dims = g->kinematics == PH_SPACE ? 3 : 2;
+    double *rho = NULL;
+    *sum = (ph_crossing){0};
+    PH_ALLOC(rho, f->count, "shares of rigidity");
+    if (springs) shares_of_rigidity(f, dims, rho);
     for (ptrdiff_t b = 0; b < f->count; b++) {
         double l = length_of(f->xi[b]), mean = 0.0;
         for (int d = 0; d < dims; d++)
             mean += fabs(f->xi[b][d]) / dims;
-        sum.stretch += mean * f->w[b] * l * l * l * l;
-        sum.count += mean * share_of(r, g, f->xi[b]) * volume_of(g);
+        mean /= 1.0 - fmin(rho[b], most_of_rigidity);
+        sum->stretch += mean * f->w[b] * l * l * l * l;
+        sum->count += mean * share_of(r, g, f->xi[b]) * volume_of(g);
     }
-    return sum;
+out:
+    free(rho);
+    return st;
 }
 
-/* The springs that stand for a medium with states: their horizon, their modulus. */
+/* The springs that stand for a medium with states: their horizon, their modulus. What a bond
+ * of states releases beyond what its spring would hold is not known. */
 static ph_status crossing_of_states(const ph_run *r, ph_crossing *out, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -55,7 +113,7 @@ static ph_status crossing_of_states(const ph_run *r, ph_crossing *out, ph_error 
     if (g.kinematics == PH_GENERALISED_STRAIN) g.kinematics = PH_PLANE_STRAIN;
     PH_TRY(ph_bond_family_new(&g, r->family->horizon, &ph_micromoduli[0], 0.0,
                               weight_of(r), PH_CALIBRATE_LATTICE, &springs, NULL, err));
-    *out = crossing_of(r, &g, springs);
+    PH_TRY(crossing_of(r, &g, springs, false, out, err));
 out:
     ph_family_free(&springs);
     return st;
@@ -220,7 +278,7 @@ ph_status ph_i_strengths_new(const ph_run *r, const ph_failure *f, ph_strengths 
     PH_TRY(check_rule(r, &f->agglomeration, "agglomerations", err));
     PH_TRY(classes_of_nodes(r, s, err));
     if (r->classes)
-        s->crossing = crossing_of(r, &r->setting.box, r->family);
+        PH_TRY(crossing_of(r, &r->setting.box, r->family, true, &s->crossing, err));
     else
         PH_TRY(crossing_of_states(r, &s->crossing, err));
     for (int apart = 0; apart < 2; apart++) {

@@ -20,10 +20,12 @@ typedef struct ph_bond_facts {
     double volume; /* of a cell; per unit thickness in 2D */
 } ph_bond_facts;
 
-/** Sums over the bonds of a node that cross a plane, means over the axes of the lattice. */
+/** Sums over the bonds of a node that cross a plane, means over the axes of the lattice. A
+ *  bond that breaks in a whole lattice releases 1/(1 - rho_b) times what it held, where
+ *  rho_b = k_b c_b . A^-1 c_b, 2 dimensions / bonds on the mean. */
 typedef struct ph_crossing {
-    double stretch; /* sum over b of |xi_n| k_b |xi_b|^4 */
-    double count;   /* sum over b of |xi_n| share_b V */
+    double stretch; /* sum over b of |xi_n| k_b |xi_b|^4 / (1 - rho_b) */
+    double count;   /* sum over b of |xi_n| share_b V / (1 - rho_b) */
 } ph_crossing;
 
 /** When a bond breaks: at a stretch (elongation over length), always in tension. */
@@ -32,8 +34,8 @@ typedef struct ph_failure_criterion {
     const char *key; /* of the case file, for its value */
     /* Critical stretch of a bond of modulus E where the criterion's value is `value`. */
     double (*stretch)(double value, double E, const ph_bond_facts *bond);
-    /* The value for which all bonds that cross a plane hold the energy G per area when each
-     * is at its critical stretch: on the lattice, not in the limit of many bonds. */
+    /* The value for which all bonds that cross a plane release the energy G per area when each
+     * breaks at its critical stretch: on the lattice, not in the limit of many bonds. */
     double (*from_energy)(double G, double E, const ph_crossing *crossing);
     bool springs; /* means the energy of a spring: model bond only */
 } ph_failure_criterion;

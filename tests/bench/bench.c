@@ -82,6 +82,27 @@ static const char *const problem_yaml[] = {
     "microstructure: {dimension: 3, size: [1, 1, 1], nodes: [%d, %d, %d], matrix: m,\n"
     "  inclusions: [{shape: sphere, centre: [0.5, 0.5, 0.5], fraction: 0.25, material: "
     "f}]}\n",
+    "edge", /* data/cases/edge-crack.yaml in a hundred steps */
+    "perihom: 1\ntitle: edge\nunits: {length: mm, stress: MPa}\n"
+    "materials: {epoxy: {E: 3000, nu: 0.3333333333333333}, air: {void: true},\n"
+    "  glass: {E: 30000, nu: 0.3333333333333333}}\n"
+    "microstructure: {dimension: 2, plane: stress, nodes: [%d, %d], size: [1, 1],\n"
+    "  matrix: epoxy, inclusions: [\n"
+    "    {shape: layer, material: air, normal: 1, from: 0.95, to: 1.0},\n"
+    "    {shape: disk, material: glass, centre: [0.5, 0.53], radius: 0.12}]}\n"
+    "model: {kind: bond, horizon: 3}\ncracks: [{from: [-0.05, 0.5], to: [0.2, 0.5]}]\n"
+    "failure: {epoxy: {fracture_energy: 0.1}, glass: unbreakable,\n"
+    "  interphase: {fracture_energy: 0.2}}\n"
+    "loading: {strain: [0, 1, 0], to: 0.02, steps: 100, window: 0.02}\n",
+    "notch", /* the same without free edges and fibre */
+    "perihom: 1\ntitle: notch\nunits: {length: mm, stress: MPa}\n"
+    "materials: {epoxy: {E: 3000, nu: 0.3333333333333333}}\n"
+    "microstructure: {dimension: 2, plane: stress, nodes: [%d, %d], size: [1, 1],\n"
+    "  matrix: epoxy}\n"
+    "model: {kind: bond, horizon: 3}\n"
+    "cracks: [{from: [-0.05, 0.507], to: [0.25, 0.507]}]\n"
+    "failure: {epoxy: {fracture_energy: 0.1}}\n"
+    "loading: {strain: [0, 1, 0], to: 0.03, steps: 100, window: 0.02}\n",
     "SC", /* simple-cubic spheres with exact constants */
     "perihom: 1\ntitle: spheres\nunits: {length: mm, stress: GPa, time: s}\n"
     "materials: {m: {E: 1, nu: 0.3}, f: {E: 10, nu: 0.3}}\n"
@@ -235,6 +256,39 @@ static void bench_stepping(const char *name, int n)
            (double)steps->elastic->work.peak_bytes / cells);
     ph_viscoelastic_free(&steps);
     ph_viscoelastic_free(&series);
+    scene_free(&s);
+}
+
+/* A loading until the crack is through, by patches or with every event settled. */
+static void bench_failure(const char *name, int n, bool every_event)
+{
+    ph_error err = PH_ERROR_INIT;
+    scene s = scene_new(name, n, "bond", false);
+    ph_crack_plan *plan = NULL;
+    ph_result *res = NULL;
+    double wall;
+    if (ph_rve_cracks(s.c, &plan, &err)) die("cracks", &err);
+    s.problem = ph_rve_problem(s.c, s.micro, plan);
+    ph_loading loading = s.c->loading;
+    loading.every_event = every_event;
+    s.problem.loading = &loading;
+    double cpu = solve(&s, 1, 1, &wall, &res);
+    const ph_failure_path *p = res->failure;
+    int settled = 0, iterations = 0;
+    for (ptrdiff_t i = 0; i < p->nevents; i++) {
+        settled += p->event[i].iterations > 0;
+        iterations += p->event[i].iterations;
+    }
+    printf(
+        "{\"bench\": \"failure\", \"problem\": \"%s\", \"n\": %d, \"every_event\": %s, "
+        "\"steps\": %d, \"events\": %td, \"bonds\": %td, \"settled\": %d, "
+        "\"iterations\": %d, \"cpu\": %.4g, \"bytes_per_node\": %.4g, \"severed\": %s, "
+        "\"peak\": %.6g, \"dissipated\": %.5g, \"imbalance\": %.2g}\n",
+        name, n, every_event ? "true" : "false", p->nsteps - 1, p->nevents, p->nbonds,
+        settled, iterations, cpu, (double)res->work.peak_bytes / n / n,
+        p->severed ? "true" : "false", p->peak_stress,
+        p->event[p->nevents - 1].energy.dissipated, p->imbalance);
+    ph_result_free(&res);
     scene_free(&s);
 }
 
@@ -644,6 +698,8 @@ static int run(const char *word)
         bench_random(name, size, count);
     else if (sscanf(word, "threads:%31[^:]:%d", name, &size) == 2)
         bench_threads(name, size);
+    else if (sscanf(word, "failure:%31[^:]:%d:%31s", name, &size, model) >= 2)
+        bench_failure(name, size, strcmp(model, "every_event") == 0);
     else if (sscanf(word, "clay:%d", &size) == 1)
         bench_clay(size);
     else if (sscanf(word, "precision:%d", &size) == 1)

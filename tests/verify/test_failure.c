@@ -65,14 +65,16 @@ static void scaling(void **state)
 }
 
 /* Two halves with a breakable interface and an initial crack: every bond across it breaks
- * at its critical stretch and no other, so that the fracture energy is G times the length to
- * round-off, whatever the horizon. More is set free: the last equilibrium before a bond goes
- * and the first after differ, by a share of a bond in its family, 2 nd / bonds on the mean
- * (the trace of a projector), which goes with 1/m^2. */
+ * at its critical stretch and no other. What the bonds held then is G times the length over
+ * what a bond in a whole lattice releases, 1/(1 - rho) of what it held: numbers of a separate
+ * sum over 24^2 wave vectors (the library's are 12^2). All that is dissipated is G times the
+ * length but for bonds at the crack, which are a larger share of what holds their ends than
+ * those in a whole lattice: measured 1.074, 1.035, 1.017. */
 static void through(void **state)
 {
     (void)state;
-    double last = 2.0;
+    static const double release[] = {1.30316, 1.11035, 1.05878};
+    double last = 1.1;
     for (int m = 2; m <= 4; m++) {
         trial t;
         ph_microstructure *micro = bar(20, 1.0, 1.0, 0.5);
@@ -88,9 +90,9 @@ static void through(void **state)
             double fracture = last_event(p)->energy.fracture / (1e-4 * length);
             double all = last_event(p)->energy.dissipated / (1e-4 * length);
             CHECK(p->severed);
-            CHECK_REL(fracture, 1.0, 1e-6);
+            CHECK_REL(fracture, 1.0 / release[m - 2], 3e-3);
             CHECK(all > 1.0 && all < last);
-            if (m == 4) CHECK(all < 1.1);
+            if (m == 4) CHECK(all < 1.03);
             last = all;
             check_balance(p, 1e-6);
             /* nothing is left */
