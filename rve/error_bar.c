@@ -280,6 +280,7 @@ static ph_status judge_times(evidence *v, const ph_viscoelastic *x, time_bars *b
                    sizeof bars->at[i].bar.nodes);
     }
 out:
+    v->e.stiffness = v->e.coarse = NULL; /* of this function */
     return st;
 }
 

@@ -107,8 +107,7 @@ static ph_status check(const ph_fe2 *f, const void *memory, size_t bytes, head *
     PH_CHECK(memcmp(h->magic, magic, sizeof magic) == 0, PH_EINVAL,
              "no state of a point: it begins otherwise");
     PH_CHECK(h->kind == want.kind && h->ns == want.ns && h->unknowns == want.unknowns &&
-                 h->block == want.block &&
-                 memcmp(&h->fingerprint, &want.fingerprint, sizeof h->fingerprint) == 0,
+                 h->block == want.block && h->fingerprint == want.fingerprint,
              PH_EINVAL, "the state is of another RVE");
     PH_CHECK(h->nbonds < bytes && bytes_with(f, (size_t)h->nbonds) == bytes, PH_EINVAL,
              "the state has %zu bytes, not %zu", bytes, bytes_with(f, (size_t)h->nbonds));

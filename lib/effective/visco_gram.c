@@ -77,7 +77,8 @@ ph_status ph_i_visco_macro_rows(ph_visco *v, ph_error *err)
             for (int b = 0; b <= a; b++) {
                 macro_layers(v, b);
                 ph_i_reduced_add(&v->model, q, a, b,
-                                 ph_i_inner(ph_i_visco_hidden(v), v->x, v->y) / n);
+                                 ph_i_inner((ptrdiff_t)ph_i_visco_hidden(v), v->x, v->y) /
+                                     n);
             }
         }
     }
@@ -95,14 +96,14 @@ static void field_row(ph_visco *v, int q, int j, double *const load[6])
     double n = (double)r->setting.averaged, stress[6];
     ph_i_operator_apply(r->op, b->u, v->f);
     for (int a = 0; a < ns; a++) {
-        stress[a] = -ph_i_inner(size, load[a], b->u) / n;
+        stress[a] = -ph_i_inner((ptrdiff_t)size, load[a], b->u) / n;
         for (int c = 0; c < ns; c++)
             stress[a] += v->whole[36 * q + 6 * a + c] * b->macro[c];
         for (size_t i = 0; b->macro[a] != 0.0 && i < size; i++)
             v->f[i] -= b->macro[a] * load[a][i];
     }
     for (int i = 0; i <= j; i++) {
-        double sum = ph_i_inner(size, v->basis[i].u, v->f) / n;
+        double sum = ph_i_inner((ptrdiff_t)size, v->basis[i].u, v->f) / n;
         for (int a = 0; a < ns; a++)
             sum += v->basis[i].macro[a] * stress[a];
         ph_i_reduced_add(&v->model, q, row, ns + i, sum);
@@ -113,10 +114,11 @@ static void field_row(ph_visco *v, int q, int j, double *const load[6])
     layer_stress(v, q, b->x, v->y);
     for (int i = 0; i <= j; i++)
         ph_i_reduced_add(&v->model, q, row, ns + i,
-                         ph_i_inner(hidden, v->basis[i].x, v->y) / n);
+                         ph_i_inner((ptrdiff_t)hidden, v->basis[i].x, v->y) / n);
     for (int a = 0; a < ns; a++) {
         macro_layers(v, a);
-        ph_i_reduced_add(&v->model, q, row, a, ph_i_inner(hidden, v->x, v->y) / n);
+        ph_i_reduced_add(&v->model, q, row, a,
+                         ph_i_inner((ptrdiff_t)hidden, v->x, v->y) / n);
     }
 }
 

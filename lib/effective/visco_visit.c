@@ -85,7 +85,7 @@ static ph_status residual(ph_visco *v, visit *now, int a, double *size, ph_error
     reduced_field(v, now, a, v->u, macro);
     ph_i_operator_load(r->op, macro, to);
     release(v, to);
-    *size = sqrt(ph_i_inner(n, to, to));
+    *size = sqrt(ph_i_inner((ptrdiff_t)n, to, to));
     ph_i_operator_apply(r->op, v->u, v->f);
     release(v, v->f);
     for (size_t i = 0; i < n; i++)
@@ -104,7 +104,7 @@ static ph_status residual(ph_visco *v, visit *now, int a, double *size, ph_error
     for (int b = 0; b < r->map->ns; b++)
         if (ph_i_run_by_stress(r, b)) sigma[b] = now->C.m[b][a];
     ph_i_operator_pull(r->op, sigma, r->setting.region, v->f);
-    *size = sqrt(ph_i_inner(n, v->f, v->f));
+    *size = sqrt(ph_i_inner((ptrdiff_t)n, v->f, v->f));
     for (size_t i = 0; i < n; i++)
         to[i] += v->f[i];
 out:
@@ -118,7 +118,7 @@ static ph_status correct(ph_visco *v, visit *now, int a, double size, ph_error *
     ph_run *r = &v->run;
     size_t n = ph_i_visco_size(v);
     const ph_solver_params *sp = &r->problem->solver;
-    double norm = sqrt(ph_i_inner(n, v->r[a], v->r[a])),
+    double norm = sqrt(ph_i_inner((ptrdiff_t)n, v->r[a], v->r[a])),
            cells = (double)r->setting.averaged;
     double tolerance = sp->tolerance > 0.0 ? sp->tolerance : default_tolerance;
     double most = now->energy_share * v->tolerance / now->inverse.m[a][a] * cells;
@@ -282,7 +282,8 @@ ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double enough,
         for (int b = 0; b <= a; b++)
             now.captured.m[a][b] = now.captured.m[b][a] =
                 0.5 *
-                (ph_i_inner(n, v->r[a], v->d[b]) + ph_i_inner(n, v->r[b], v->d[a])) /
+                (ph_i_inner((ptrdiff_t)n, v->r[a], v->d[b]) +
+                 ph_i_inner((ptrdiff_t)n, v->r[b], v->d[a])) /
                 cells;
     *error = error_of(v, &now, false);
     *left = error_of(v, &now, true);

@@ -216,7 +216,7 @@ static void stress_line(const ph_cells *c, const int32_t *index, const weights *
     ptrdiff_t n = c->layout.n[2], to;
     real own[36];
     weights outside = *w; /* around a body that stands alone: no hourglass term either */
-    outside.hourglass = 0.0;
+    outside.hourglass = 0;
     for (ptrdiff_t from = 0; from < n; from = to) {
         for (to = from + 1; to < n && index[to] == index[from];)
             to++;
@@ -283,11 +283,11 @@ static void scatter(const ph_cells *c, const row *r, ptrdiff_t j, bool modes, re
     ptrdiff_t n = l->n[2], j1 = j + 1 < l->n[1] ? j + 1 : 0, plane = l->n[1] * n;
     for (int a = 0; a < l->nd; a++) {
         real *lo = low + a * low_stride, *hi = high + a * plane;
-        scatter_row(r, a, l->axis, -1.0, -1.0, n, modes, lo + j * n);
-        if (l->axis[1] >= 0) scatter_row(r, a, l->axis, -1.0, 1.0, n, modes, lo + j1 * n);
+        scatter_row(r, a, l->axis, -1, -1, n, modes, lo + j * n);
+        if (l->axis[1] >= 0) scatter_row(r, a, l->axis, -1, 1, n, modes, lo + j1 * n);
         if (l->axis[0] < 0) continue;
-        scatter_row(r, a, l->axis, 1.0, -1.0, n, modes, hi + j * n);
-        if (l->axis[1] >= 0) scatter_row(r, a, l->axis, 1.0, 1.0, n, modes, hi + j1 * n);
+        scatter_row(r, a, l->axis, 1, -1, n, modes, hi + j * n);
+        if (l->axis[1] >= 0) scatter_row(r, a, l->axis, 1, 1, n, modes, hi + j1 * n);
     }
 }
 

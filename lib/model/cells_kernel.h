@@ -154,7 +154,7 @@ static inline void linear_mode(int nd, ph_hooke kind, const real *c, const weigh
     vec e[6], s[6], v[3];
 #pragma GCC unroll 6
     for (int i = 0; i < ns; i++)
-        e[i] = all(0.0);
+        e[i] = all(0);
 #pragma GCC unroll 3
     for (int b = 0; b < nd; b++) {
         if (b == d) continue;
@@ -181,7 +181,7 @@ static inline void bilinear_mode(ph_hooke kind, const real *c, const weights *w,
     vec e[6], s[6], v[3];
 #pragma GCC unroll 6
     for (int i = 0; i < 6; i++)
-        e[i] = all(0.0);
+        e[i] = all(0);
 #pragma GCC unroll 3
     for (int a = 0; a < 3; a++)
         v[a] = w->f[d] * q[3][a];

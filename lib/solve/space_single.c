@@ -1,3 +1,3 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #define PH_SINGLE
-#include "solve/space.c"
+#include "solve/space.c" /* NOLINT(bugprone-suspicious-include): compiled twice */

@@ -1,3 +1,3 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #define PH_SINGLE
-#include "space/fft.c"
+#include "space/fft.c" /* NOLINT(bugprone-suspicious-include): compiled twice */

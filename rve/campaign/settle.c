@@ -14,6 +14,13 @@ static bool any_open(const ph_campaign *c)
     return false;
 }
 
+static bool same_box(const ph_case *a, const ph_case *b)
+{
+    for (int d = 0; d < 3; d++)
+        if (a->size[d] != b->size[d]) return false;
+    return a->kinematics == b->kinematics;
+}
+
 static ph_status check(const ph_campaign *c, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -21,9 +28,7 @@ static ph_status check(const ph_campaign *c, ph_error *err)
     PH_CHECK(c->relative_error > 0 && c->nmodels <= 1, PH_EINVAL, "%s", ph_i_open_words);
     for (int p = 0; p < c->npoints; p++)
         PH_CHECK(
-            memcmp(c->point[p].c->size, first->size, sizeof first->size) == 0 &&
-                c->point[p].c->kinematics == first->kinematics,
-            PH_EINVAL,
+            same_box(c->point[p].c, first), PH_EINVAL,
             "points have boxes of different sizes: one grid does not suit them; give "
             "microstructure.nodes");
 out:
@@ -113,11 +118,12 @@ ph_status ph_campaign_settle(ph_campaign **c, const char *const *sets, size_t ns
     int axes = ph_i_fidelity_axes((*c)->point[0].c);
     double share = s.accuracy * axes / (axes + 2);
     /* The estimate is that of the extrapolated value; a realisation has its whole error. */
-    for (double wanted = PH_I_ESTIMATED * share;; wanted *= 0.5) {
+    double wanted = PH_I_ESTIMATED * share;
+    do {
         s.pilots = 0;
         PH_TRY(find_grid(*c, wanted, ctx, &s, err));
-        if (s.grid <= (1 - least_left) * s.accuracy) break;
-    }
+        wanted *= 0.5;
+    } while (s.grid > (1 - least_left) * s.accuracy);
     s.half_width = s.accuracy - s.grid;
     PH_TRY(read_again(c, sets, nsets, &s, err));
     *out = s;
