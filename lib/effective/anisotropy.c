@@ -82,7 +82,7 @@ double ph_anisotropy_index(const ph_sym4 *c)
 
 double ph_axial_modulus(const ph_sym4 *c, int axis)
 {
-    if (!c) return NAN;
+    if (!c || axis < 0 || axis >= c->n) return NAN;
     static const double blind = 1e-13; /* of the largest: strains that cost nothing */
     int n = c->n, rest = 0, at[6];
     double a[6][6] = {{0}}, v[6][6] = {{0}}, top = 0.0, E = c->m[axis][axis];
