@@ -87,6 +87,11 @@ static ph_status draw_population(const ph_case *c, ptrdiff_t entry, double targe
                  target);
         PH_TRY(draw_crack(c, entry, i, to, err));
         double one = share(g, to, to->count - 1);
+        PH_CHECK(counted || i > 0 || target <= 0.0 || 0.5 * one <= target, PH_EUNPHYSICAL,
+                 "line %d: cracks.%td.random.length: no crack is placed: one of length "
+                 "%.6g has density %.4g, more than twice the %.4g that is asked for: a "
+                 "shorter length, a larger density or a larger cell",
+                 k->line, entry, ph_crack_length(to, to->count - 1), one, target);
         if (!counted && density + 0.5 * one > target) {
             to->count--;
             to->nvertices = to->crack[to->count].first;

@@ -78,8 +78,9 @@ static int find_file(const char *result, char *path, size_t size)
             snprintf(path, size, "%s/%s", result, entry->d_name);
     if (dir) closedir(dir);
     if (found == 1) return 0;
-    fprintf(stderr, "perihom view: '%s' holds %s (output: {fields: true} writes one)\n",
-            result, found ? "several .h5 files: name one" : "no .h5 file");
+    fprintf(stderr, "perihom view: '%s' holds %s\n", result,
+            found ? "several .h5 files: name one"
+                  : "no .h5 file: run with --set output.fields=true for one");
     return 5;
 }
 

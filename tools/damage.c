@@ -32,6 +32,9 @@ void damage_print(FILE *to, const char *length, const ph_damage *d)
             fprintf(to, " %10.5f", s->psi[n]);
         fprintf(to, " %10.4g %8.5f %12td", s->anisotropy, s->mean_damage,
                 s->broken_bonds);
+        if (d->kind == PH_SEQUENCE_DENSITY &&
+            fabs(s->density - s->value) > 0.1 * s->value)
+            fprintf(to, "  (density asked %g, reached %.5g)", s->value, s->density);
         if (s->mute_nodes) fprintf(to, "  (%td nodes without stress)", s->mute_nodes);
         fputc('\n', to);
     }

@@ -184,10 +184,16 @@ static void print_times(FILE *to, const ph_failure_path *p, const char *unit)
         e->external, e->stored, e->viscous, e->dissipated, p->imbalance);
 }
 
+/* The largest stress is that of the last step, in size above the one before. */
+static bool still_rises(const ph_failure_path *p)
+{
+    const ph_failure_step *last = &p->step[p->nsteps - 1];
+    return p->nsteps > 1 && fabs(last->work) >= fabs(p->peak_stress) &&
+           fabs(last->work) > fabs(last[-1].work);
+}
+
 void failure_print(FILE *to, const ph_case *c, const ph_failure_path *p)
 {
-    const ph_failure_energy none = {0},
-                            *e = p->nevents ? &p->event[p->nevents - 1].energy : &none;
     const char *stress = c->unit_stress;
     fprintf(to, "\nfailure\n");
     if (p->nevents == 0)
@@ -200,8 +206,17 @@ void failure_print(FILE *to, const ph_case *c, const ph_failure_path *p)
         print_times(to, p, stress);
         return;
     }
-    fprintf(to, "  peak stress %.6g %s at load %.6g; toughness %.6g %s\n", p->peak_stress,
-            stress, p->peak_load, p->toughness, stress);
+    if (still_rises(p))
+        fprintf(to,
+                "  no peak: stress still rises at the end of the loading, to %.6g %s at "
+                "load %.6g",
+                p->peak_stress, stress, p->peak_load);
+    else
+        fprintf(to, "  peak stress %.6g %s at load %.6g", p->peak_stress, stress,
+                p->peak_load);
+    fprintf(to, "; toughness %.6g %s\n", p->toughness, stress);
+    if (p->nevents == 0) return;
+    const ph_failure_energy *e = &p->event[p->nevents - 1].energy;
     fprintf(to,
             "  from event to event: external work %.6g = stored %.3g + dissipated %.6g "
             "(imbalance %.1e)\n",

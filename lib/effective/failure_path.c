@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The loading of a failure, step by step. */
+#include <perihom/damage_law.h>
+
 #include "effective/failure_walk.h"
 
 #include <math.h>
@@ -93,6 +95,26 @@ static int stiffness_steps(const ph_problem *p)
     return wants_first(p) + ph_i_stiffness_steps(p->loading);
 }
 
+/* A damage law knows what the stiffness was at some steps only, unless all are kept. */
+static ph_status note_law(const ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_damage_law *law = NULL;
+    ph_error why = PH_ERROR_INIT;
+    if (r->problem->loading->stiffness_every == 1 || r->result->failure->nevents == 0)
+        return PH_OK;
+    st = ph_damage_law_from_result(r->result, &law, &why);
+    if (st == PH_EINVAL) return PH_OK; /* there is none */
+    PH_CHECK(st == PH_OK, st, "%s", why.msg);
+    ph_i_note(
+        r->result,
+        "the damage law has %d knots: loading.stiffness_every: 1 records every step",
+        law->nknots);
+out:
+    ph_damage_law_free(&law);
+    return st;
+}
+
 ph_status ph_i_run_failure(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -107,6 +129,7 @@ ph_status ph_i_run_failure(ph_run *r, ph_error *err)
     for (ptrdiff_t i = 0; i < w.path->nevents; i++)
         most = fmax(most, w.path->event[i].energy.external);
     if (most > 0.0) w.path->imbalance /= most;
+    PH_TRY(note_law(r, err));
 out:
     ph_i_walk_clear(&w);
     ph_i_scan_free(&w.scan);

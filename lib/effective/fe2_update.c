@@ -5,6 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+/* As a loading: beyond it the stretches of bonds lose their digits. */
+static const double MOST_STRAIN = 1e6;
+
 /* A solve that a point asks for: of its state (viscoelastic), or its increment. */
 typedef struct job {
     const ph_fe2_node *of;
@@ -235,6 +238,12 @@ static ph_status check_update(const batch *w, ph_error *err)
                  "strain increment %d of point %td is %g", (int)(i % ns) + 1, i / ns,
                  w->dstrain[i]);
     PH_TRY(check_points(w, err));
+    for (ptrdiff_t i = 0; i < w->points * ns; i++) {
+        double strain = w->point[i / ns]->at->s.strain[i % ns] + w->dstrain[i];
+        PH_CHECK(fabs(strain) < MOST_STRAIN, PH_EINVAL,
+                 "strain %d of point %td would be %g: must be below 1e6 in size",
+                 (int)(i % ns) + 1, i / ns, strain);
+    }
 out:
     return st;
 }

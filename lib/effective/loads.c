@@ -379,7 +379,8 @@ ph_status ph_i_run_stiffness(ph_run *r, ph_error *err)
                 off += 2.0 * d * d;
                 c.m[i][j] = c.m[j][i] = 0.5 * (c.m[i][j] + c.m[j][i]);
             }
-        res->asymmetry = sqrt(off) / ph_sym4_norm(&c);
+        double size = ph_sym4_norm(&c);
+        res->asymmetry = size > 0.0 ? sqrt(off) / size : 0.0;
         st = refine(r, &c, err);
     }
     res->stiffness = c;

@@ -169,6 +169,20 @@ static void read_random_amount(ph_i_reader *r, const ph_i_node *map, ph_crack_en
         k->count = (ptrdiff_t)n;
 }
 
+/* The shortest crack must not be longer than the cell is. */
+static void read_length(ph_i_reader *r, const ph_i_node *node, ph_crack_entry *k)
+{
+    const double *size = r->c->size;
+    const double side = fmax(size[0], fmax(size[1], r->dimension == 3 ? size[2] : 0.0));
+    size_t before = r->invalid + r->unphysical;
+    ph_i_read_distribution(r, node, "crack length", 0, 1e60, true, &k->length);
+    if (r->invalid + r->unphysical > before || !(side > 0.0)) return;
+    if (ph_distribution_quantile(&k->length, 0.0) > side)
+        ph_i_reject(r, node, PH_EUNPHYSICAL,
+                    "the crack length must be at most the longest side of the cell, %g",
+                    side);
+}
+
 static void read_random(ph_i_reader *r, const ph_i_node *map, ph_crack_entry *k)
 {
     static const char normal_rule[] = "must be a list of 3 numbers, not all zero";
@@ -181,7 +195,7 @@ static void read_random(ph_i_reader *r, const ph_i_node *map, ph_crack_entry *k)
     ph_i_check_keys(r, map, (ph_i_names)PH_I_NAMES(random_keys), "random cracks");
     read_random_amount(r, map, k);
     if ((node = ph_i_need(r, map, "length", "must be a length or a distribution")))
-        ph_i_read_distribution(r, node, "crack length", 0, 1e60, true, &k->length);
+        read_length(r, node, k);
     if ((node = ph_i_get(map, "orientation")) &&
         (i = ph_i_read_name(r, node, (ph_i_names)PH_I_NAMES(orientations))) >= 0)
         k->aligned = i == 1;
@@ -254,11 +268,12 @@ static void check_model(ph_i_reader *r, const ph_i_node *cracks)
 
 /* ---- sequence ---------------------------------------------------------------------------- */
 
-static ph_status put_steps(ph_i_reader *r, const ph_i_node *list, ph_error *err)
+/* Steps from 0 to below `most`; the rule says so. */
+static ph_status put_steps(ph_i_reader *r, const ph_i_node *list, double most,
+                           const char *rule, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_sequence_entry *q = &r->c->sequence;
-    static const char rule[] = "must be a list of 1 to 1e5 numbers that do not fall";
     size_t n = list->kind == PH_I_LIST ? list->count : 0;
     if (n < 1 || n > MAX_STEPS) {
         ph_i_reject(r, list, PH_EINVAL, "%s", rule);
@@ -268,7 +283,7 @@ static ph_status put_steps(ph_i_reader *r, const ph_i_node *list, ph_error *err)
     q->nsteps = (int)n;
     for (size_t i = 0; i < n; i++) {
         double least = i ? q->value[i - 1] : 0.0;
-        if (!ph_i_read_number(r, list->child[i], -1e-300, 1e60, rule, &q->value[i]))
+        if (!ph_i_read_number(r, list->child[i], -1e-300, most, rule, &q->value[i]))
             return PH_OK;
         if (q->value[i] < least)
             ph_i_reject(r, list->child[i], PH_EUNPHYSICAL,
@@ -369,7 +384,9 @@ static ph_status read_growth(ph_i_reader *r, const ph_i_node *map, ph_error *err
         static const char *const keys[] = {"list"};
         ph_i_check_keys(r, node, (ph_i_names)PH_I_NAMES(keys), "lengths");
         node = ph_i_need(r, node, "list", "must be a list of lengths");
-        if (node) PH_TRY(put_steps(r, node, err));
+        if (node)
+            PH_TRY(put_steps(r, node, 1e60,
+                             "must be a list of 1 to 1e5 numbers that do not fall", err));
     } else if (node) {
         PH_TRY(put_range(r, node, err));
     }
@@ -412,7 +429,9 @@ static ph_status read_sequence(ph_i_reader *r, const ph_i_node *map, ph_error *e
     } else {
         q->kind = PH_SEQUENCE_DENSITY;
         check_density(r, density);
-        PH_TRY(put_steps(r, density, err));
+        PH_TRY(put_steps(
+            r, density, nextafter(10, 11),
+            "must be a list of 1 to 1e5 numbers from 0 to 10 that do not fall", err));
     }
 out:
     return st;

@@ -72,7 +72,8 @@ static void read_rule(ph_i_reader *r, const ph_i_node *node, ph_failure_rule *k)
     const ph_i_node *weibull = ph_i_get(node, "weibull");
     if (weibull)
         ph_i_read_number(r, weibull, nextafter(1, 0), 1e6,
-                         "the Weibull shape must be a number >= 1", &k->weibull);
+                         "the Weibull shape must be a number >= 1 and below 1e6",
+                         &k->weibull);
     if (k->criterion == PH_BOND_ENERGY && strcmp(r->c->model.kind, "bond") != 0)
         ph_i_complain(r, node, PH_EINVAL,
                       "a bond energy is that of a spring: take model bond, or "
@@ -84,7 +85,12 @@ static ph_status read_failure(ph_i_reader *r, const ph_i_node *map, ph_error *er
     ph_status st = PH_OK;
     ph_case *c = r->c;
     const char **names = NULL;
-    if (!ph_i_read_map(r, map, "must be a map of strengths by material")) goto out;
+    static const char rule[] = "must be a map of strengths by material";
+    if (!ph_i_read_map(r, map, rule)) goto out;
+    if (map->count == 0) {
+        ph_i_complain(r, map, PH_EINVAL, "is empty: %s", rule);
+        goto out;
+    }
     PH_ALLOC(c->strengths, c->nmaterials, "strengths");
     c->failure.material = c->strengths;
     PH_ALLOC(names, c->nmaterials + 2, "names");
@@ -118,7 +124,8 @@ static ph_status read_targets(ph_i_reader *r, const ph_i_node *node, ph_error *e
 {
     ph_status st = PH_OK;
     static const char rule[] =
-        "must be a number that is not zero, or a list of 1 to 10000 numbers";
+        "must be a number that is not zero, or a list of 1 to 10000 numbers, each "
+        "below 1e6 in size";
     bool list = node->kind == PH_I_LIST;
     size_t n = list ? node->count : 1;
     if (n < 1 || n > MAX_TARGETS) {
@@ -143,7 +150,7 @@ static ph_status read_times(ph_i_reader *r, const ph_i_node *times, const ph_i_n
 {
     ph_status st = PH_OK;
     static const char rule[] =
-        "must be a time >= 0 for each target, none before the last";
+        "must be a time >= 0 and below 1e60 for each target, none before the last";
     ph_loading *l = &r->c->loading;
     const int n = l->ntargets;
     double speed = 0.0, *t = NULL;
@@ -213,6 +220,8 @@ static void read_stress_free(ph_i_reader *r, const ph_i_node *node)
     for (size_t i = 0; i < node->count; i++) {
         int k = ph_i_read_component(r, node->child[i]);
         if (k < 0) return;
+        if ((l->stress_free >> k) & 1u)
+            ph_i_reject(r, node->child[i], PH_EINVAL, "is named twice");
         if (l->strain[k] != 0.0)
             ph_i_reject(r, node->child[i], PH_EINVAL,
                         "its strain is given as %g: one of both (0 where it is free)",

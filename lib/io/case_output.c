@@ -33,6 +33,8 @@ static void read_constant(ph_i_reader *r, const ph_i_node *node)
     if (!no && isfinite(q.at)) no = "only materials that relax have constants at a time";
     if (!no && ph_quantity_loads(&q, c->kinematics) == 0)
         no = "fractions are in every result";
+    for (int i = 0; i < c->nconstants; i++)
+        if (strcmp(c->constants[i].name, q.name) == 0) no = "is named twice";
     if (no)
         ph_i_reject(r, node, PH_EINVAL, "%s", no);
     else

@@ -62,7 +62,7 @@ PH_API void ph_fe2_point_free(ph_fe2_point **point);
  *
  *  The answer is a function of the history of accepted increments, deps and dt alone, to the
  *  bit: not of other points, threads, or what was tried.
- *  @param[in]  dstrain [n] Voigt, engineering shear; finite
+ *  @param[in]  dstrain [n] Voigt, engineering shear; the strain it leads to below 1e6 in size
  *  @param[in]  dt      [time, >= 0, finite; 0: a jump]
  *  @param[out] stress  [n] at the end of the increment
  *  @param[out] tangent [n * n] d stress / d dstrain, symmetric, row-major; NULL: not wanted

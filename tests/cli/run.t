@@ -169,3 +169,23 @@ $ perihom view steps --field damage
 $ perihom view steps --field dammage
 ! perihom*no field 'dammage'*
 ? 3
+
+# Random cracks of which half of one is more than all that is asked for: none would be there.
+$ perihom run cracked.yaml -q -o none --set 'cracks=[{random: {density: 0.1, length: 0.9}}]' --set sequence=null
+! perihom: error: line *: cracks.0.random.length: no crack is placed: one of length 0.9 has density 0.2025, more than twice the 0.1 *
+? 3
+
+$ perihom run cracked.yaml -q -o few --set 'cracks=[{random: {density: 0.1, length: 0.5}}]' --set 'sequence={density: [0.02, 0.0625, 0.1]}' | grep -o '(density asked.*'
+> (density asked 0.02, reached 0)
+> (density asked 0.1, reached 0.125)
+
+# A loading below every strength: no energies of events, no peak. A law of two knots says so.
+$ perihom run cracked.yaml -q -o whole --set sequence=null --set 'failure={matrix: unbreakable}' --set 'loading={strain: [0, 1, 0], to: -0.01, steps: 2}' | sed -n '/^failure/,/^$/p'
+> failure
+>   no bond broke
+>   no peak: stress still rises at the end of the loading, to -*
+>
+
+$ perihom run cracked.yaml -q -o torn --set 'cracks=[]' --set sequence=null --set 'failure={matrix: {critical_stretch: 0.01}}' --set 'loading={strain: [1, 1, 0], to: 100, steps: 2, break: together}' | grep -o -e 'asymmetry [^,]*' -e 'note  *the damage law.*'
+> asymmetry 0.0e+00
+> note        the damage law has 2 knots: loading.stiffness_every: 1 records every step

@@ -17,6 +17,10 @@ $ perihom view small-results --axis 4
 ! *
 ? 2
 
+$ perihom run small.yaml -q -o bare > /dev/null && perihom view bare
+! perihom view: 'bare' holds no .h5 file: run with --set output.fields=true for one
+? 5
+
 $ perihom view nowhere
 ! *nowhere*
 ? 5

@@ -746,6 +746,10 @@ static void mistakes(void **state)
     CHECK(ph_fe2_update_all(p, 0, de, 1.0, stress, NULL, NULL, NULL) == PH_OK);
     de[1] = NAN;
     CHECK(ph_fe2_update(p[0], de, 1.0, stress, NULL, NULL, NULL) == PH_EINVAL);
+    de[1] = 1e16;
+    CHECK(ph_fe2_update(p[0], de, 1.0, stress, NULL, NULL, NULL) == PH_EINVAL);
+    de[1] = -1e6;
+    CHECK(ph_fe2_update(p[0], de, 1.0, stress, NULL, NULL, NULL) == PH_EINVAL);
     memset(memory, 0, sizeof memory);
     CHECK(ph_fe2_point_restore(p[0], memory, sizeof memory, NULL) == PH_EINVAL);
     CHECK(ph_fe2_point_restore(p[0], memory, 3, NULL) == PH_EINVAL);
