@@ -184,7 +184,6 @@ $ perihom run cracked.yaml -q -o whole --set sequence=null --set 'failure={matri
 > failure
 >   no bond broke
 >   no peak: stress still rises at the end of the loading, to -*
->
 
 $ perihom run cracked.yaml -q -o torn --set 'cracks=[]' --set sequence=null --set 'failure={matrix: {critical_stretch: 0.01}}' --set 'loading={strain: [1, 1, 0], to: 100, steps: 2, break: together}' | grep -o -e 'asymmetry [^,]*' -e 'note  *the damage law.*'
 > asymmetry 0.0e+00
