@@ -8,6 +8,7 @@ import gc
 import inspect
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -137,6 +138,91 @@ def progress_and_interruption():
         raise KeyboardInterrupt
 
     raises(KeyboardInterrupt, lambda: perihom.homogenise(blob(), progress=stop))
+
+
+def ctrl_c():
+    """A signal within a solve is raised out of an iteration, and no ignored exception is printed."""
+    script = """if True:
+        import os, signal, sys, threading, time, traceback
+        import numpy as np, perihom
+        phase = np.random.default_rng(1).integers(0, 2, (64, 64, 64))
+        micro = perihom.Microstructure([perihom.Material.isotropic("a", 1, 0.3),
+                                        perihom.Material.isotropic("b", 1e4, 0.3)], phase)
+        seen = []
+        progress = (lambda *now: seen.append(now)) if sys.argv[1] == "progress" else None
+        main = threading.get_ident()
+
+        def interrupt():
+            while sys._current_frames()[main].f_code.co_name not in ("solve", "perihom_progress"):
+                time.sleep(0.01)
+            time.sleep(0.1)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Thread(target=interrupt).start()
+        try:
+            perihom.homogenise(micro, tolerance=1e-14, threads=1, progress=progress)
+        except KeyboardInterrupt:
+            print("stopped" if "perihom_progress" in traceback.format_exc() else "solved first")
+    """
+    for mode in ("plain", "progress"):
+        done = subprocess.run([sys.executable, "-c", script, mode], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler), timeout=60)
+        assert (done.stdout, done.stderr) == (b"stopped\n", b""), (mode, done)
+
+
+def to_an_accuracy():
+    """The search of the program, bit for bit; what it cannot reach is an error and no result."""
+    path = os.path.join(cases, "boron-aluminium-automatic.yaml")
+    sets = {"accuracy.relative": 0.1}
+    r = perihom.run(path, sets)
+    got = r.to_dict()
+    with tempfile.TemporaryDirectory() as folder:
+        out = subprocess.run([program, "run", path, "--set", "accuracy.relative=0.1", "--json", "-q", "-o",
+                              folder + "/r"], check=True, stdout=subprocess.PIPE).stdout
+    want = json.loads(out)
+    assert np.array_equal(r.stiffness, want["effective"]["stiffness"])
+    assert got["fidelity"]["reached"] and got["fidelity"]["chosen"] == want["fidelity"]["chosen"]
+    error = raises(perihom.Error, lambda: perihom.run(path, {"accuracy.relative": 1e-4, "budget.memory": 5e5}), "memory")
+    assert error.exit_code == 4
+    raises(ValueError, lambda: perihom.run(path, sets, model="bond"), "accuracy", "model")
+
+
+def results_with_holes():
+    """Columns that were not solved are NaN; what has no constants can be shown."""
+    r = perihom.homogenise(blob(), loads=[0, 5])
+    whole = perihom.homogenise(blob()).stiffness
+    solved = [bool(r._c.loads >> a & 1) for a in range(6)]
+    assert not all(solved) and solved[0] and solved[5]
+    assert np.array_equal(np.isnan(r.stiffness), np.tile(np.logical_not(solved), (6, 1)))
+    assert np.allclose(r.stiffness[:, 0], whole[:, 0], atol=1e-5 * whole.max())  # symmetrised, solver 1e-6
+    document = np.array(r.to_dict()["effective"]["stiffness"], dtype=float)
+    assert np.array_equal(document, r.stiffness, equal_nan=True)
+    phase = np.zeros((8, 8), int)
+    phase[3:5] = 1
+    cut = perihom.homogenise(perihom.Microstructure([perihom.Material.isotropic("a", 1, 0.3), perihom.Material.void("gap")],
+                                                    phase, plane="strain"))
+    cut._c.stiffness.m[0][0] = -1e-16  # zero but for round-off, whose sign is an accident
+    for result, why in ((r, "were not solved"), (cut, "")):
+        for call in (lambda: result.engineering, lambda: result.compliance):
+            raises(perihom.Error, call, why)
+        assert "no engineering constants" in repr(result) and "stiffness" in repr(result)
+        assert "<table>" in result._repr_html_() and "no engineering constants" in result._repr_html_()
+    raises(perihom.Error, lambda: r.isotropic, "were not solved")
+
+
+def numbers_out_of_range():
+    nan, C = float("nan"), np.diag([2.0, 1, 1])
+    series = perihom.Series(C, [(1.0, C), (10.0, C)])
+    law = perihom.DamageLaw([0, 1, 0], [0, 1], [C, 0 * C], [1], [2])
+    assert np.allclose(series.at(float("inf")), C) and np.allclose(law.at(1), 0)
+    for t in (-1, nan):
+        raises(ValueError, lambda: series.at(t), "time")
+    for d in (-0.1, 1.1, nan):
+        raises(ValueError, lambda: law.at(d), "damage")
+    raises(ValueError, lambda: series.compress(terms=0), "terms")
+    assert len(series.compress(tolerance=0.5)[0]) <= 2
+    raises(ValueError, lambda: perihom.homogenise(blob(), threads=-1), "threads")
+    raises(ValueError, lambda: perihom.FE2(blob()).points(-1), "points")
 
 
 def threads_do_not_meet():
@@ -400,7 +486,7 @@ def words_and_hints():
 
 
 tests = [same_as_the_program, fields_are_views, microstructures, materials, wrong_arguments, progress_and_interruption,
-         threads_do_not_meet, cards_and_catalogues, material_points, cracked_cases, damage_laws,
+         ctrl_c, to_an_accuracy, results_with_holes, numbers_out_of_range, threads_do_not_meet, cards_and_catalogues, material_points, cracked_cases, damage_laws,
          relaxing_composites, superelements, fe2, words_and_hints]
 failed = 0
 for number, test in enumerate(tests, 1):

@@ -13,6 +13,7 @@ from cffi import FFI
 
 DECLARATIONS = r"""
 typedef int ph_status;
+#define PH_EINVAL ...
 typedef struct { ph_status status; int iteration; double residual; char msg[...]; ...; } ph_error;
 const char *ph_status_text(ph_status status);
 int ph_status_exit_code(ph_status status);
@@ -107,9 +108,10 @@ ph_status ph_viscoelastic_solve(const ph_problem *problem, const ph_relaxation_p
 void ph_viscoelastic_free(ph_viscoelastic **v);
 
 typedef struct { bool given; const char *route; double tolerance; ...; } ph_case_viscoelastic;
+typedef struct { double relative, memory; ...; } ph_case_accuracy;
 typedef struct { char title[...]; int nmaterials; ph_material *materials; int kinematics; uint64_t seed, realisation;
                  int interface; ph_model_params model; ph_constraint_params constraint; ph_solver_params solver;
-                 ph_case_viscoelastic viscoelastic; bool fields; ph_failure failure; ...; } ph_case;
+                 ph_case_viscoelastic viscoelastic; ph_case_accuracy accuracy; bool fields; ph_failure failure; ...; } ph_case;
 typedef struct { int line; bool warning; char message[...]; ...; } ph_case_issue;
 typedef struct { size_t count; ph_case_issue *item; ...; } ph_case_issues;
 void ph_case_issues_free(ph_case_issues *issues);
@@ -198,6 +200,11 @@ ph_problem ph_rve_problem(const ph_case *c, const ph_microstructure *micro, cons
 
 ph_status ph_rve_error_bar(const ph_case *c, const ph_problem *problem, const ph_ctx *ctx, ph_result *result,
                            ph_error *err);
+typedef struct { double error; ptrdiff_t nodes[3]; ph_result *result; ...; } ph_fidelity;
+void ph_fidelity_free(ph_fidelity **fidelity);
+ph_status ph_fidelity_solve(const ph_case *c, const ph_ctx *ctx, ph_fidelity **out, ph_error *err);
+ph_status ph_fidelity_to_json(const ph_fidelity *fidelity, const ph_case *c, const char *command, char **json,
+                              ph_error *err);
 void free(void *);
 extern "Python" bool perihom_progress(void *user, const ph_progress *now);
 """
@@ -205,6 +212,7 @@ extern "Python" bool perihom_progress(void *user, const ph_progress *now);
 SOURCE = """
 #include <perihom.h>
 #include <perihom_error_bar.h>
+#include <perihom_fidelity.h>
 #include <perihom_rve.h>
 """
 

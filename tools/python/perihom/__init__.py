@@ -13,8 +13,10 @@ their object. Long calls release the interpreter, so threads may solve different
 """
 from __future__ import annotations
 
+import html
 import json
 import os
+import resource
 import tempfile
 from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
@@ -298,11 +300,35 @@ class Case:
         """Build and solve; options as those of `homogenise` that are not the case's.
 
         error_bar: solve the companions of the case too, see `Result.error_bar`.
+        A case with `accuracy` is solved on the grids that reach it, options threads and progress;
+        Error with exit code 4 where none does. `homogenise` solves its grid as it is.
         """
+        if self._c.accuracy.relative > 0:
+            if realisation is not None:
+                self._c.realisation = realisation
+            return self._to_accuracy(**options)
         return homogenise(self.microstructure(realisation), case=self, **options)
+
+    def _to_accuracy(self, threads: int = 0, progress=None, error_bar: bool = False, **settings) -> "Result":
+        if settings:
+            raise ValueError("accuracy chooses settings: give %s in the case" % ", ".join(sorted(settings)))
+        mine = ffi.new("ph_case *", self._c[0])  # borrows the arrays
+        if mine.accuracy.memory == 0:
+            mine.accuracy.memory = _memory_here()
+        out = ffi.new("ph_fidelity **")
+        _call(lambda ctx, err: lib.ph_fidelity_solve(mine, ctx, out, err), threads, progress,
+              lambda: lib.ph_fidelity_free(out))
+        return Result._of_search(out[0], self)
 
     def __repr__(self):
         return "Case(%r)" % self.title
+
+
+def _memory_here() -> float:
+    """Bytes that a solve may take: those of the machine, or the limit of the process."""
+    here = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return float(here if limit == resource.RLIM_INFINITY else min(here, limit))
 
 
 # ---- results -----------------------------------------------------------------------------
@@ -324,21 +350,41 @@ class Fields:
 
 
 class Result:
-    """What a solve gave. Columns of loads that were not solved are zero in `stiffness`."""
+    """What a solve gave. Columns of loads that were not solved are NaN in `stiffness`."""
 
     def __init__(self, pointer, case: Optional[Case], micro: Microstructure):
-        self._c = ffi.gc(pointer, lambda p: lib.ph_result_free(ffi.new("ph_result **", p)))
+        self._c = _owned(pointer, "ph_result", lib.ph_result_free)
         self._case = case
         self._shape = micro.shape
+        self._fidelity = None
+
+    @classmethod
+    def _of_search(cls, pointer, case: Case) -> "Result":
+        """Of a search for settings, which owns it."""
+        self = cls.__new__(cls)
+        owner = _owned(pointer, "ph_fidelity", lib.ph_fidelity_free)
+        self._c = ffi.gc(pointer.result, lambda p, owner=owner: None)  # views hold on to it
+        self._case, self._fidelity = case, owner
+        nodes = pointer.nodes
+        self._shape = tuple(nodes[i] for i in range(3 if self._c.grid.kinematics == 0 else 2))
+        return self
+
+    def _need_all_loads(self):
+        missing = [a for a in range(self._c.stiffness.n) if not self._c.loads >> a & 1]
+        if missing:
+            raise Error("loads %s were not solved" % ", ".join(map(str, missing)), lib.PH_EINVAL)
 
     @property
     def stiffness(self) -> np.ndarray:
         """Effective stiffness, Voigt, engineering shear, units of the case."""
-        return _voigt(self._c.stiffness)
+        D = _voigt(self._c.stiffness)
+        D[:, [not self._c.loads >> a & 1 for a in range(len(D))]] = np.nan
+        return D
 
     @property
     def compliance(self) -> np.ndarray:
         """Inverse of the stiffness, Voigt."""
+        self._need_all_loads()
         inverse, err = ffi.new("ph_sym4 *"), ffi.new("ph_error *")
         _check(lib.ph_sym4_inverse(ffi.new("ph_sym4 *", self._c.stiffness), inverse, err), err)
         return _voigt(inverse[0], False)
@@ -346,6 +392,7 @@ class Result:
     @property
     def engineering(self) -> dict:
         """E1 E2 E3 nu12 ... G12 of the effective tensor, those that there are."""
+        self._need_all_loads()
         e, err = ffi.new("ph_engineering *"), ffi.new("ph_error *")
         _check(lib.ph_engineering_constants(ffi.new("ph_sym4 *", self._c.stiffness), e, err), err)
         out = {"E%d" % (i + 1): e.E[i] for i in range(3)}
@@ -356,6 +403,7 @@ class Result:
     @property
     def isotropic(self) -> dict:
         """E nu K G of the nearest isotropic tensor, and how far it is."""
+        self._need_all_loads()
         iso = lib.ph_nearest_isotropic(ffi.new("ph_sym4 *", self._c.stiffness), self._c.grid.kinematics)
         return {"E": iso.E, "nu": iso.nu, "K": iso.K, "G": iso.G, "distance": iso.distance}
 
@@ -436,7 +484,10 @@ class Result:
         """The result document, schema perihom.result/1."""
         out, err = ffi.new("char **"), ffi.new("ph_error *")
         case = self._case._c if self._case else ffi.NULL
-        _check(lib.ph_result_to_json(self._c, case, ffi.NULL, out, err), err)
+        if self._fidelity is not None:
+            _check(lib.ph_fidelity_to_json(self._fidelity, case, ffi.NULL, out, err), err)
+        else:
+            _check(lib.ph_result_to_json(self._c, case, ffi.NULL, out, err), err)
         return json.loads(_take_text(out))
 
     @property
@@ -451,12 +502,25 @@ class Result:
         """A material card, as the function `card`."""
         return self.effective.card(to, **options)
 
+    def _constants(self) -> tuple:
+        """Engineering constants, or none and why."""
+        try:
+            return self.engineering, ""
+        except Error as error:
+            return {}, "no engineering constants: %s" % error
+
     def _repr_html_(self) -> str:
-        rows = "".join("<tr><td>%s</td><td>%.6g</td></tr>" % item for item in self.engineering.items())
-        return "<table>%s</table>" % rows
+        constants, why = self._constants()
+        rows = list(constants.items()) or self.stiffness
+        text = "".join("<tr>%s</tr>" % "".join("<td>%s</td>" % (x if isinstance(x, str) else "%.6g" % x) for x in row)
+                       for row in rows)
+        return "<table>%s</table>%s" % (text, "<p>%s</p>" % html.escape(why) if why else "")
 
     def __repr__(self):
-        return "Result(%s)" % ", ".join("%s %.4g" % item for item in self.engineering.items() if item[0][0] in "EG")
+        constants, why = self._constants()
+        if why:
+            return "Result(stiffness\n%s\n%s)" % (self.stiffness, why)
+        return "Result(%s)" % ", ".join("%s %.4g" % item for item in constants.items() if item[0][0] in "EG")
 
 
 # ---- solving -----------------------------------------------------------------------------
@@ -473,7 +537,7 @@ def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Option
     loads: macro strains 0 .. 5 to solve, default all; fields: keep displacement, strain, stress.
     progress(load, loads, iteration, residual): called each iteration; False stops.
     error_bar: solve the companions of `case`, which `micro` must be of, see `Result.error_bar`.
-    Raises Error; KeyboardInterrupt inside `progress` stops the solve and is raised again.
+    Raises Error; Ctrl-C, and what `progress` raises, stops the solve within an iteration and is raised again.
     """
     if error_bar and case is None:
         raise ValueError("error bars are those of a case: a coarser grid is built from it")

@@ -51,7 +51,9 @@ class Series:
         return _voigt(lib.ph_prony_instantaneous(self._c))
 
     def at(self, time: float) -> np.ndarray:
-        """C(t), t >= 0."""
+        """C(t), t >= 0; inf: equilibrium."""
+        if not time >= 0:
+            raise ValueError("time must be >= 0, got %r" % time)
         return _voigt(lib.ph_prony_at_time(self._c, time))
 
     def complex(self, omega: float) -> np.ndarray:
@@ -60,10 +62,12 @@ class Series:
         lib.ph_prony_complex(self._c, omega, re, im)
         return _voigt(re[0]) + 1j * _voigt(im[0])
 
-    def compress(self, terms: int = 0, tolerance: float = 1e-3) -> Tuple["Series", float]:
-        """A series of at most so many terms, or as few as the tolerance needs, and its error."""
+    def compress(self, terms: Optional[int] = None, tolerance: float = 1e-3) -> Tuple["Series", float]:
+        """A series of at most so many terms, or (None) as few as the tolerance needs, and its error."""
+        if terms is not None and terms < 1:
+            raise ValueError("terms must be >= 1, or None, got %r" % terms)
         out, error, err = ffi.new("ph_prony **"), ffi.new("double *"), ffi.new("ph_error *")
-        _check(lib.ph_prony_compress(self._c, terms, tolerance, out, error, err), err)
+        _check(lib.ph_prony_compress(self._c, terms or 0, tolerance, out, error, err), err)
         self = Series.__new__(Series)
         self._own(out[0])
         return self, error[0]
@@ -120,7 +124,9 @@ class DamageLaw:
         return self
 
     def at(self, damage: float) -> np.ndarray:
-        """C(d), Voigt."""
+        """C(d), Voigt, 0 <= d <= 1."""
+        if not 0 <= damage <= 1:
+            raise ValueError("damage must be 0 to 1, got %r" % damage)
         return _voigt(lib.ph_damage_law_stiffness(self._c, damage))
 
     def force(self, damage: float, strain) -> float:

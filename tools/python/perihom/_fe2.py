@@ -107,6 +107,8 @@ class Points:
     """Integration points with an RVE each: states that are accepted, increments that are tried."""
 
     def __init__(self, rve: FE2, count: int):
+        if count < 0:
+            raise ValueError("points must be >= 0, got %d" % count)
         self.rve = rve
         self._c = []
         self._array = ffi.new("ph_fe2_point *[]", max(1, count))

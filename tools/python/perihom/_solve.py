@@ -9,15 +9,16 @@ _POINTS = {"auto": 0, "nodes": 1, "stress": 2}
 _INTERFACE = {"composite": 0, "node_centre": 1}
 
 
-@ffi.def_extern(error=False)
+def _keep_error(kind, error, trace):
+    """What `progress`, or a signal on the way to it, raised: comes back to the caller of the solve."""
+    ffi.from_handle(trace.tb_frame.f_locals["user"])["error"] = error.with_traceback(trace)
+
+
+@ffi.def_extern(error=False, onerror=_keep_error)
 def perihom_progress(user, now):
-    state = ffi.from_handle(user)
-    try:
-        go_on = state["call"](now.load, now.loads, now.iteration, now.residual)
-        return go_on is not False
-    except BaseException as error:  # comes back to the caller of homogenise
-        state["error"] = error
-        return False
+    # Also where no one listens: the interpreter handles signals, Ctrl-C, while this runs.
+    call = ffi.from_handle(user)["call"]
+    return call is None or call(now.load, now.loads, now.iteration, now.residual) is not False
 
 
 def _problem(micro, case, model=None, points=None, horizon=None, constraint=None, solver=None, interface=None,
@@ -60,13 +61,14 @@ def _problem(micro, case, model=None, points=None, horizon=None, constraint=None
 
 
 def _call(solve, threads: int, progress, free) -> None:
-    """Runs a solve: progress and cancelling, the interpreter released, errors raised."""
+    """Runs a solve: progress, cancelling and Ctrl-C, the interpreter released, errors raised."""
+    if threads < 0:
+        raise ValueError("threads must be >= 0 (0: all processors), got %d" % threads)
     ctx = ffi.new("ph_ctx *")
     ctx.threads = threads
     state = {"call": progress, "error": None}
     handle = ffi.new_handle(state)
-    if progress is not None:
-        ctx.progress, ctx.user = lib.perihom_progress, handle
+    ctx.progress, ctx.user = lib.perihom_progress, handle
     err = ffi.new("ph_error *")
     status = solve(ctx, err)
     if status or state["error"] is not None:
