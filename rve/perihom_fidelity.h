@@ -86,7 +86,7 @@ PH_API ph_status ph_fidelity_plan_case(const ph_case *c, ph_fidelity_plan *out,
  *  to be fine enough; the grid before is its companion. The tolerance of the solver falls
  *  where the columns of the tensor are not symmetric enough.
  *  Settings that the case gives are kept.
- *  @param[out] out also with PH_ENOCONV
+ *  @param[out] out also with PH_ENOCONV, but where the budget is too small for any grid
  *  @return PH_OK: reached; PH_ENOCONV: the budget, or settings that are given, cannot meet the
  *          accuracy: the best result is there and `missing` says what it would take; PH_EINVAL;
  *          PH_ESINGULAR; PH_ENOMEM; PH_ECANCELLED. Tested: tests/unit/test_fidelity.c */

@@ -96,19 +96,21 @@ typedef struct ph_trade_params {
 /** A sweep over the knobs of one case. Owns its arrays. */
 typedef struct ph_trade {
     char path[512], title[256];
-    char base_sets[512]; /* " --set KEY=VALUE" of the call, for commands */
-    int axes;            /* of the grid with more than one cell */
+    char base_sets
+        [512]; /* KEY=VALUE of the call, each ended by a zero; an empty one ends them */
+    int axes;  /* of the grid with more than one cell */
     int nconstants;
     ph_quantity constant[PH_TRADE_CONSTANTS];
-    char reference_kind[200]; /* what the errors are relative to */
-    double reference[PH_TRADE_CONSTANTS];
+    char reference_kind[320]; /* what the errors are relative to; "none: ..." says why */
+    double
+        reference[PH_TRADE_CONSTANTS]; /* NaN: there is none, and no error, no advice */
     double
         reference_error; /* estimated, relative, worst constant; 0: exact as far as known */
     int nrows, capacity;
     ph_trade_row *row;
     ph_trade_advice advice[PH_TRADE_TARGETS];
     double cpu;    /* of all rows */
-    bool complete; /* nothing was skipped */
+    bool complete; /* there is a reference, and nothing was skipped */
 } ph_trade;
 PH_API void ph_trade_free(ph_trade **trade);
 
@@ -134,7 +136,9 @@ PH_API double ph_trade_work(const ph_result *result);
  *  Each row is solved as `perihom run CASE --set ...` would. The errors are relative to the
  *  reference; without one, to the values extrapolated from the two finest grids of the case
  *  as it is (first order in the spacing), whose own error is estimated as their distance to
- *  the finest grid's. Rows that cannot be solved stay with their reason.
+ *  the finest grid's. Where fewer than two grids of the case are solved there is no reference:
+ *  the sweep ends after its first part, and `reference_kind` says why. Rows that cannot be
+ *  solved stay with their reason. Cases whose bonds break are refused.
  *  @param[out] out on PH_OK and PH_ECANCELLED (what is there so far)
  *  @return PH_OK; PH_EINVAL, PH_EUNPHYSICAL (case, constants, reference); PH_EIO; PH_ENOMEM;
  *          PH_ECANCELLED. Tested: tests/unit/test_trade.c */

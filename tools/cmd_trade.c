@@ -6,6 +6,7 @@
 #include "report.h"
 #include "tools.h"
 
+#include <math.h>
 #include <perihom_trade.h>
 #include <string.h>
 
@@ -54,9 +55,10 @@ static const verb_spec trade_verb = {
                  "errors against known values"}},
     .options = options,
     .noptions = sizeof options / sizeof *options,
-    .more = "exit codes: 0 done, 2 usage, 3 case not admissible, 5 file or memory, 130 "
-            "interrupted\n"
-            "(rows so far are kept; the same command goes on)",
+    .more =
+        "exit codes: 0 done, 2 usage, 3 case not admissible, 4 no reference, 5 file or "
+        "memory,\n130 interrupted "
+        "(rows so far are kept; the same command goes on)",
 };
 
 enum { WORDS = 32 };
@@ -181,17 +183,22 @@ static void print_advice(FILE *to, const ph_trade *t)
     }
 }
 
+static bool has_reference(const ph_trade *t)
+{
+    return isfinite(t->reference[0]);
+}
+
 static void print(FILE *to, const ph_trade *t)
 {
     fprintf(to, "%s\n", t->title[0] ? t->title : t->path);
     fprintf(to, "%d settings: %d solved, %d refused, %d failed, %d skipped\n", t->nrows,
             count(t, PH_TRADE_DONE), count(t, PH_TRADE_REFUSED),
             count(t, PH_TRADE_FAILED), count(t, PH_TRADE_SKIPPED));
-    fprintf(to, "reference: %s",
-            t->reference_kind[0] ? t->reference_kind : "none, the case was not solved");
+    fprintf(to, "reference: %s", t->reference_kind);
     if (t->reference_error > 0)
         fprintf(to, "; its own error about %.2g %%", 100 * t->reference_error);
     fputc('\n', to);
+    if (!has_reference(t)) return;
     print_front(to, t);
     print_advice(to, t);
 }
@@ -281,6 +288,10 @@ static int run_trade(trade *m)
             if (!o->quiet) talk("figures in %s/trade.html", m->dir);
         }
     }
+    if (st == PH_OK && !has_reference(m->t))
+        st = ph_error_set(&err, PH_ENOCONV, NULL, 0,
+                          "there is nothing that errors are relative to; --reference "
+                          "or a solvable ladder of grids gives it");
     if (st == PH_ECANCELLED)
         talk("interrupted; the same command goes on");
     else if (st != PH_OK && !(said && !m->t))

@@ -220,9 +220,10 @@ static bool affordable(search *s, ptrdiff_t n)
         return true;
     }
     snprintf(s->f->missing, sizeof s->f->missing,
-             "budget.%s: the next grid, %td nodes along the longest axis, takes about "
+             "budget.%s: the %s grid, %td nodes along the longest axis, takes about "
              "%.2g s and %.2g bytes; %.2g s are spent",
-             time ? "seconds" : "memory", n, seconds, bytes, spent);
+             time ? "seconds" : "memory", s->f->nsteps ? "next" : "first", n, seconds,
+             bytes, spent);
     return false;
 }
 
@@ -243,10 +244,13 @@ static ph_status begin(search *s, ptrdiff_t n, ph_error *err)
         half = n;
         n = ph_i_fidelity_round(1.5 * (double)n);
     }
-    while (!s->f->plan.fixed && n > 8 && !affordable(s, n)) { /* what can be had */
+    /* What can be had; no grid coarser than the drawing shows the fillers. */
+    while (!s->f->plan.fixed && !s->c->nfillers && n > 8 && !affordable(s, n)) {
         n = half;
         half = half_of(n);
     }
+    PH_CHECK(affordable(s, half), PH_ENOCONV, "accuracy %.3g %% is not reached: %s",
+             100 * s->f->plan.accuracy, s->f->missing);
     PH_TRY(solve_grid(s, half, &s->coarse, err));
     if (!affordable(s, n)) { /* that is then all there is */
         s->fine = s->coarse;

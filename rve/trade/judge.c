@@ -33,12 +33,13 @@ static void judge_means(ph_trade *t, ph_trade_row *row)
 
 static void find_errors(ph_trade *t)
 {
+    bool known = ph_i_trade_has_reference(t);
     for (int i = 0; i < t->nrows; i++) {
         ph_trade_row *r = &t->row[i];
         r->front = false;
         if (r->state != PH_TRADE_DONE || r->realisations > 1) continue;
-        r->error = 0;
-        for (int k = 0; k < t->nconstants; k++)
+        r->error = known ? 0 : (double)NAN;
+        for (int k = 0; known && k < t->nconstants; k++)
             r->error = fmax(
                 r->error, ph_trade_error(&t->constant[k], r->value[k], t->reference[k]));
     }

@@ -33,7 +33,8 @@ static ptrdiff_t gather(const ph_trade *t, int group, bool seconds, double *x, d
     ptrdiff_t n = 0;
     for (int i = 0; i < t->nrows; i++) {
         const ph_trade_row *r = &t->row[i];
-        if (r->state != PH_TRADE_DONE || r->realisations > 1) continue;
+        if (r->state != PH_TRADE_DONE || r->realisations > 1 || !isfinite(r->error))
+            continue;
         if (group == GROUPS ? !r->front : group_of(r) != group) continue;
         double cost = cost_of(r, seconds), error = 100 * fmax(r->error, 1e-7);
         ptrdiff_t at = n++;
@@ -116,9 +117,14 @@ static void put_head(ph_i_growing *g, const ph_trade *t)
     put_text(g, "<h1>", t->title[0] ? t->title : t->path, "</h1>\n<p>");
     put_text(g, "Case <code>", t->path, "</code>; reference: ");
     put_text(g, "", t->reference_kind, "");
-    put_short(g, ", its own error about ", 100 * t->reference_error, 2);
-    ph_i_appendf(g, " %%.%s</p>\n",
-                 t->complete ? "" : " The budget ended before the sweep did.");
+    if (t->reference_error > 0) {
+        put_short(g, ", its own error about ", 100 * t->reference_error, 2);
+        ph_i_appendf(g, " %%");
+    }
+    ph_i_appendf(g, ".%s</p>\n",
+                 t->complete || !ph_i_trade_has_reference(t)
+                     ? ""
+                     : " The budget ended before the sweep did.");
 }
 
 static void put_advice(ph_i_growing *g, const ph_trade *t)
@@ -177,7 +183,7 @@ ph_status ph_trade_to_html(const ph_trade *t, char **text, ph_error *err)
     for (int i = 0; i < 2; i++)
         PH_TRY(ph_trade_plot(t, i == 1, &svg[i], err));
     put_head(&g, t);
-    put_advice(&g, t);
+    if (ph_i_trade_has_reference(t)) put_advice(&g, t);
     ph_i_appendf(&g, "<h2>Error against cost</h2>\n");
     for (int i = 0; i < 2; i++) {
         ph_i_append(&g, svg[i], strlen(svg[i]));

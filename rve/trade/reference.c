@@ -86,7 +86,7 @@ static ph_status read_values(ph_i_trade *s, const char *text, ph_error *err)
         int used = 0;
         ph_quantity q;
         PH_CHECK(sscanf(at, "%95[^=,]=%63[^,]%n", name, number, &used) == 2 && used > 0 &&
-                     ph_i_text_to_number(number, &x) && isfinite(x),
+                     ph_i_text_to_number(number, &x),
                  PH_EINVAL, "reference: '%.80s' is not NAME=NUMBER,NAME=NUMBER...", at);
         at += used;
         if (*at == ',') at++;
@@ -129,10 +129,39 @@ out:
     return st;
 }
 
+/* What errors can be relative to. */
+static ph_status check_reference(const ph_trade *t, ph_error *err)
+{
+    ph_status st = PH_OK;
+    for (int k = 0; k < t->nconstants; k++) {
+        const ph_quantity *q = &t->constant[k];
+        bool good = isfinite(t->reference[k]) && (q->stress == 0 || t->reference[k] != 0);
+        PH_CHECK(
+            good, PH_EINVAL,
+            "reference: %s is %g: no error is relative to that; name other constants",
+            q->name, t->reference[k]);
+    }
+out:
+    return st;
+}
+
+/* What no sweep can be judged of. */
+static ph_status check_case(const ph_case *c, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(
+        c->loading.ntargets == 0 && !c->strengths, PH_EINVAL,
+        "a trade is of effective constants, not of bonds that break: the case has %s",
+        c->loading.ntargets ? "a loading" : "failure");
+out:
+    return st;
+}
+
 ph_status ph_i_trade_begin(ph_i_trade *s, ph_error *err)
 {
     ph_status st = PH_OK;
     const char *reference = s->params->reference;
+    PH_TRY(check_case(s->c, err));
     PH_TRY(name_constants(s, err));
     if (reference && strchr(reference, '='))
         PH_TRY(read_values(s, reference, err));
@@ -142,6 +171,7 @@ ph_status ph_i_trade_begin(ph_i_trade *s, ph_error *err)
         s->t->nconstants = ph_trade_constants(s->c, s->t->constant);
     PH_CHECK(s->t->nconstants > 0, PH_EINVAL, "there is no constant to judge");
     s->given = reference != NULL;
+    if (s->given) PH_TRY(check_reference(s->t, err));
     if (reference)
         snprintf(s->t->reference_kind, sizeof s->t->reference_kind, "given: %.150s",
                  reference);
@@ -149,39 +179,86 @@ out:
     return st;
 }
 
-/* The finest grid of the case as it is, and the one nearest to half of it. */
+/* A grid of the case as it is? */
+static bool is_base(const ph_trade_row *r)
+{
+    return !r->family[0] && r->realisations == 1 && strcmp(r->knob, "grid") == 0;
+}
+
+/* The solved grid of the case as it is whose cells are nearest to so many. */
 static const ph_trade_row *base_row(const ph_trade *t, double cells)
 {
     const ph_trade_row *best = NULL;
     for (int i = 0; i < t->nrows; i++) {
         const ph_trade_row *r = &t->row[i];
-        if (r->state != PH_TRADE_DONE || r->family[0] || r->realisations != 1) continue;
-        if (strcmp(r->knob, "grid") != 0) continue;
+        if (r->state != PH_TRADE_DONE || !is_base(r)) continue;
         double mine = fabs(log((double)r->nodes / cells));
         if (!best || mine < fabs(log((double)best->nodes / cells))) best = r;
     }
     return best;
 }
 
+/* "12 x 12" of microstructure.nodes=[12,12]. */
+static void nodes_text(const ph_trade_row *r, char *text, size_t size)
+{
+    const char *at = NULL;
+    size_t n = 0;
+    for (int i = 0; i < r->nsets && !at; i++)
+        if (strncmp(r->set[i], "microstructure.nodes=[", 22) == 0) at = r->set[i] + 22;
+    snprintf(text, size, "%td", r->nodes);
+    for (; at && *at && *at != ']' && n + 4 < size; at++)
+        n += (size_t)snprintf(text + n, size - n, *at == ',' ? " x " : "%c", *at);
+}
+
+bool ph_i_trade_has_reference(const ph_trade *t)
+{
+    for (int k = 0; k < t->nconstants; k++)
+        if (!isfinite(t->reference[k])) return false;
+    return true;
+}
+
+/* A grid is no reference of itself. */
+static void have_none(ph_trade *t)
+{
+    const ph_trade_row *first = NULL;
+    int solved = 0;
+    for (int i = 0; i < t->nrows; i++) {
+        const ph_trade_row *r = &t->row[i];
+        if (!is_base(r)) continue;
+        solved += r->state == PH_TRADE_DONE;
+        if (!first && r->state != PH_TRADE_DONE) first = r;
+    }
+    for (int k = 0; k < t->nconstants; k++)
+        t->reference[k] = NAN;
+    t->complete = false;
+    snprintf(t->reference_kind, sizeof t->reference_kind, "none: %s%s%s",
+             solved ? "only one grid of the case is solved"
+                    : "the case itself is not solved",
+             first ? "; " : "", first ? first->reason : "");
+}
+
 void ph_i_trade_find_reference(ph_trade *t)
 {
     const ph_trade_row *fine = base_row(t, 1e30), *coarse = NULL;
-    t->reference_error = NAN;
-    if (!fine) return;
+    char fine_text[64], coarse_text[64];
     int axes = t->axes > 0 ? t->axes : 2;
-    coarse = base_row(t, (double)fine->nodes * pow(0.5, axes));
+    t->reference_error = NAN;
+    if (fine) coarse = base_row(t, (double)fine->nodes * pow(0.5, axes));
+    if (!coarse || coarse->nodes >= fine->nodes) {
+        have_none(t);
+        return;
+    }
     double ratio = pow((double)fine->nodes / (double)coarse->nodes, 1.0 / axes);
+    nodes_text(fine, fine_text, sizeof fine_text);
+    nodes_text(coarse, coarse_text, sizeof coarse_text);
     snprintf(t->reference_kind, sizeof t->reference_kind,
-             ratio > 1.1 ? "own finest grid, %td nodes, extrapolated with %td"
-                         : "own grid, %td nodes, as it is",
-             fine->nodes, coarse->nodes);
-    t->reference_error = ratio > 1.1 ? 0 : NAN;
+             "own finest grid, %s nodes, extrapolated with %s", fine_text, coarse_text);
+    t->reference_error = 0;
     for (int k = 0; k < t->nconstants; k++) {
-        double step = ratio > 1.1 ? (fine->value[k] - coarse->value[k]) / (ratio - 1) : 0;
-        t->reference[k] = fine->value[k] + step;
-        if (ratio > 1.1)
-            t->reference_error =
-                fmax(t->reference_error,
-                     ph_trade_error(&t->constant[k], fine->value[k], t->reference[k]));
+        t->reference[k] =
+            fine->value[k] + (fine->value[k] - coarse->value[k]) / (ratio - 1);
+        t->reference_error =
+            fmax(t->reference_error,
+                 ph_trade_error(&t->constant[k], fine->value[k], t->reference[k]));
     }
 }

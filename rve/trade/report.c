@@ -27,16 +27,33 @@ void ph_i_trade_word(char *text, size_t size, const char *word)
     put_letters(text, size, "'");
 }
 
+/* Does the row set this key, or what it is a part of, anew? */
+static bool is_overridden(const ph_trade_row *row, const char *set)
+{
+    size_t n = strcspn(set, "=");
+    for (int i = 0; i < row->nsets; i++) {
+        size_t m = strcspn(row->set[i], "=");
+        if (m <= n && strncmp(set, row->set[i], m) == 0 && (m == n || set[m] == '.'))
+            return true;
+    }
+    return false;
+}
+
+static void put_set(char *text, size_t size, const char *set)
+{
+    put_letters(text, size, " --set ");
+    ph_i_trade_word(text, size, set);
+}
+
 void ph_i_trade_command(const ph_trade *t, const ph_trade_row *row, char *text,
                         size_t size)
 {
     snprintf(text, size, "perihom run ");
     ph_i_trade_word(text, size, t->path);
-    put_letters(text, size, t->base_sets);
-    for (int i = 0; i < row->nsets; i++) {
-        put_letters(text, size, " --set ");
-        ph_i_trade_word(text, size, row->set[i]);
-    }
+    for (const char *set = t->base_sets; *set; set += strlen(set) + 1)
+        if (!is_overridden(row, set)) put_set(text, size, set);
+    for (int i = 0; i < row->nsets; i++)
+        put_set(text, size, row->set[i]);
     size_t at = strlen(text);
     if (row->threads > 0) snprintf(text + at, size - at, " -j %d", row->threads);
 }

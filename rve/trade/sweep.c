@@ -275,6 +275,7 @@ static ph_status sweep(ph_i_trade *s, ph_error *err)
     PH_TRY(sweep_grids(s, err));
     if (!s->given) ph_i_trade_find_reference(t);
     ph_trade_judge(t);
+    if (!ph_i_trade_has_reference(t)) goto out; /* nothing more can be judged */
     s->planned += 40 + s->nrungs * 3;
     PH_TRY(sweep_knobs(s, err));
     PH_TRY(sweep_tolerances(s, err));
@@ -304,20 +305,26 @@ out:
     return st;
 }
 
-static void describe(ph_i_trade *s)
+static ph_status describe(ph_i_trade *s, ph_error *err)
 {
+    ph_status st = PH_OK;
+    size_t at = 0;
     ph_trade *t = s->t;
     const ph_trade_params *p = s->params;
     snprintf(t->path, sizeof t->path, "%s", p->path);
     snprintf(t->title, sizeof t->title, "%s", s->c->title);
     for (size_t i = 0; i < p->nsets; i++) {
-        size_t at = strlen(t->base_sets);
-        snprintf(t->base_sets + at, sizeof t->base_sets - at, " --set ");
-        ph_i_trade_word(t->base_sets, sizeof t->base_sets, p->sets[i]);
+        size_t n = strlen(p->sets[i]) + 1;
+        PH_CHECK(at + n < sizeof t->base_sets, PH_EINVAL,
+                 "overrides: more than %zu letters together", sizeof t->base_sets - 2);
+        memcpy(t->base_sets + at, p->sets[i], n);
+        at += n;
     }
     for (int a = 0; a < 3; a++)
         t->axes += s->c->nodes[a] > 1;
     t->complete = true;
+out:
+    return st;
 }
 
 ph_status ph_trade_run(const ph_trade_params *params, ph_trade **out,
@@ -331,7 +338,7 @@ ph_status ph_trade_run(const ph_trade_params *params, ph_trade **out,
     PH_ALLOC(s.t, 1, "a trade");
     PH_TRY(ph_case_read(params->path, params->sets, params->nsets, &s.c, issues, err));
     s.c->accuracy.given |= PH_SETTING_NODES; /* every row has its grid */
-    describe(&s);
+    PH_TRY(describe(&s, err));
     PH_TRY(ph_i_trade_begin(&s, err));
     make_ladder(&s);
     if (params->folder)

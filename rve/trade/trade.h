@@ -52,8 +52,9 @@ ph_status ph_i_trade_journal_add(const char *folder, int nconstants, uint64_t ha
 
 /** Constants and, where it is given, the reference. */
 ph_status ph_i_trade_begin(ph_i_trade *s, ph_error *err);
-/** The reference from the two finest grids of the case as it is, unless it was given. */
+/** The reference from the two finest grids of the case as it is; none where fewer are solved. */
 void ph_i_trade_find_reference(ph_trade *t);
+bool ph_i_trade_has_reference(const ph_trade *t);
 
 /* ---- judge.c */
 

@@ -248,11 +248,18 @@ static void test_budget_skips(void **state)
     for (int i = 0; t && i < t->nrows; i++)
         skipped += t->row[i].state == PH_TRADE_SKIPPED;
     CHECK(t && !t->complete && skipped > 10);
+    /* the one grid that was solved is no reference of itself: no error, no advice */
+    CHECK(t && t->row[0].state == PH_TRADE_DONE && isnan(t->row[0].error));
+    CHECK(t && isnan(t->reference[0]) && isnan(t->reference_error));
+    CHECK(t && strstr(t->reference_kind, "none: only one grid") == t->reference_kind);
+    CHECK(t && strstr(t->reference_kind, "would not fit into the budget"));
+    for (int k = 0; t && k < PH_TRADE_TARGETS; k++)
+        CHECK(t->advice[k].row == -1);
     ph_trade_free(&t);
     CHECK_END();
 }
 
-/* No grid that is allowed shows the fillers: the case as it is stays, and is the reference. */
+/* No grid that is allowed shows the fillers: the case as it is stays, without an error. */
 static void test_no_grid_at_all(void **state)
 {
     (void)state;
@@ -268,8 +275,8 @@ static void test_no_grid_at_all(void **state)
     const ph_trade_params p = {
         .path = write_case(fillers), .knobs = &knob, .nknobs = 1, .finest = 6};
     CHECK_OK(ph_trade_run(&p, &t, NULL, &err));
-    CHECK(t && t->nrows == 1 && t->row[0].nodes == 32 * 32 && t->row[0].error == 0);
-    CHECK(t && strstr(t->reference_kind, "as it is"));
+    CHECK(t && t->nrows == 1 && t->row[0].nodes == 32 * 32 && isnan(t->row[0].error));
+    CHECK(t && strstr(t->reference_kind, "none: only one grid"));
     ph_trade_free(&t);
     CHECK_END();
 }
@@ -296,6 +303,12 @@ static void test_what_is_refused(void **state)
     err = (ph_error)PH_ERROR_INIT;
     CHECK(refuse((ph_trade_params){.reference = "E1=one"}, &err) == PH_EINVAL);
     CHECK(strstr(err.msg, "NAME=NUMBER") != NULL);
+    static const char *const senseless[] = {"E1=0", "E1=inf", "E1=nan"};
+    for (int i = 0; i < 3; i++) {
+        err = (ph_error)PH_ERROR_INIT;
+        CHECK(refuse((ph_trade_params){.reference = senseless[i]}, &err) == PH_EINVAL);
+        CHECK(strstr(err.msg, "reference") != NULL && err.msg[0]);
+    }
     err = (ph_error)PH_ERROR_INIT;
     constant = "E2";
     CHECK(refuse((ph_trade_params){.reference = "E1=1",
