@@ -72,7 +72,7 @@ ph_status ph_trade_plot(const ph_trade *t, bool seconds, char **svg, ph_error *e
                             .style = g == GROUPS ? PH_PLOT_LINE : PH_PLOT_POINTS,
                             .colour = g + 1};
     }
-    char subtitle[300];
+    char subtitle[sizeof t->reference_kind + 16];
     snprintf(subtitle, sizeof subtitle, "reference: %s", t->reference_kind);
     const ph_plot plot = {.title = t->title[0] ? t->title : t->path,
                           .subtitle = subtitle,
