@@ -119,8 +119,6 @@ void ph_i_fe2_fell(ph_fe2 *f);
 void ph_i_fe2_plant(ph_fe2 *f, ph_fe2_node *node, ph_fe2_node *parent);
 /** What a planted node has was changed. */
 void ph_i_fe2_recount(ph_fe2 *f, ph_fe2_node *node);
-/** A zeroed field, or NULL. */
-double *ph_i_fe2_field(ph_fe2 *f);
 
 /* ---- fe2_worker.c ------------------------------------------------------------------------ */
 

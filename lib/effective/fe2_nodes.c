@@ -9,11 +9,6 @@ static size_t field_bytes(const ph_fe2 *f)
     return f->unknowns * sizeof(double);
 }
 
-double *ph_i_fe2_field(ph_fe2 *f)
-{
-    return ph_i_doubles_new(NULL, f->unknowns);
-}
-
 static size_t step_bytes(const ph_fe2 *f)
 {
     return sizeof(ph_fe2_step) + field_bytes(f);

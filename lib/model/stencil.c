@@ -66,11 +66,6 @@ ptrdiff_t ph_i_stencil_row(const ph_stencil *s)
     return s->layout.n[2] + 2 * s->reach + BLOCK;
 }
 
-double ph_i_stencil_flops(const ph_stencil *s)
-{
-    return 2.0 * 2.0 * 3.0 * s->layout.nd * (double)s->count;
-}
-
 static ptrdiff_t wrap(ptrdiff_t i, ptrdiff_t n)
 {
     i %= n;

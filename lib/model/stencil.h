@@ -34,8 +34,6 @@ void ph_i_stencil_strain(const ph_stencil *stencil, const double *u, const doubl
 /** f [nd][cells] = scale * B^T stress, added if `add`. `pad` [ns][n0 n1][row] is work. */
 void ph_i_stencil_divergence(const ph_stencil *stencil, const double *stress,
                              double scale, bool add, double *pad, double *f);
-/** Floating-point operations of one strain and one divergence per cell. */
-double ph_i_stencil_flops(const ph_stencil *stencil);
 
 /** stress = C strain, cell by cell, may be in place. [ns][cells] */
 void ph_i_hooke_field(const ph_stiffness_map *map, int threads, const double *strain,

@@ -333,33 +333,36 @@ out:
     return st;
 }
 
-/* Error bars of every constant: as those of a grid whose companion is off by what is left. */
+/* Error bars of every constant: as those of a grid whose companion is off by what is left. The
+ * extrapolated values are those of the two grids as they are. */
 static ph_status put_bars(search *s, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_sym4 *fine = &s->fine.stiffness, *coarse = &s->coarse.stiffness;
     ph_result *r = s->fine.result;
-    ph_error_bar *bar = NULL;
+    ph_error_bar *bar = NULL, *plain = NULL;
     double ratio = (double)s->fine.n / (double)s->coarse.n,
            left = s->f->improved ? PH_I_ESTIMATED : 1;
     ph_sym4 step = ph_sym4_combine(1, fine, -1, coarse),
             companion = ph_sym4_combine(1, &r->stiffness, -left, &step);
-    const ph_error_evidence e = {
-        .result = r, .coarse = &companion, .ratio = ratio, .parts = s->c->error_parts};
+    const ph_error_evidence grids = {
+        .result = r, .stiffness = fine, .coarse = coarse, .ratio = ratio};
+    ph_error_evidence e = grids;
+    e.stiffness = NULL;
+    e.coarse = &companion;
+    e.parts = s->c->error_parts;
     PH_ALLOC(bar, 1, "error bars");
+    PH_ALLOC(plain, 1, "extrapolated values");
     PH_TRY(ph_error_bar_estimate(&e, bar, err));
+    PH_TRY(ph_error_bar_estimate(&grids, plain, err));
     ph_i_fidelity_grid(s->c, s->coarse.n, bar->nodes);
-    for (int k = 0; k < bar->count; k++) { /* all of the step */
-        ph_error_constant *c = &bar->constant[k];
-        ph_quantity q;
-        if (ph_quantity_find(c->name, &q, NULL) != PH_OK) continue;
-        double on_fine = value_of(s, &q, fine), on_coarse = value_of(s, &q, coarse);
-        c->richardson = on_fine + (on_fine - on_coarse) / (ratio - 1);
-    }
+    for (int k = 0; k < bar->count; k++)
+        bar->constant[k].richardson = plain->constant[k].richardson;
     free(r->error_bar);
     r->error_bar = bar;
     bar = NULL;
 out:
+    free(plain);
     free(bar);
     return st;
 }

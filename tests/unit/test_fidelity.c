@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <perihom/error_bar.h>
+
 #include "check.h"
 
 #include <jansson.h>
@@ -108,6 +110,12 @@ static void test_offered_tensor(void **state)
     CHECK(f->improved);
     /* one load here and all there: the entries differ by what symmetry averages */
     CHECK_REL(value(f, "C11"), want, 1e-12);
+    /* the extrapolated value is that of every result: order 1.7 (docs/theory/error-bars.md) */
+    const ph_error_constant *x = ph_error_bar_find(f->result->error_bar, "C11");
+    CHECK(x != NULL);
+    if (x)
+        CHECK_REL(x->richardson, grid[1] + (grid[1] - grid[0]) / (pow(ratio, 1.7) - 1),
+                  1e-12);
     ph_fidelity_free(&f);
     ph_case_free(&c);
     CHECK_END();
