@@ -349,14 +349,13 @@ void ph_i_work_add(ph_work *sum, const ph_work *more)
     sum->peak_bytes = larger(sum->peak_bytes, more->peak_bytes);
 }
 
-/* Cracks, held nodes and fields of every load have a load solved for each column, and so do
- * second-order entries, which take the fields of all of them. */
+/* Cracks, held nodes and bonds have a load solved for each column. */
 static ph_status find_symmetry(ph_run *r, ph_error *err)
 {
-    bool plain = !r->setting.source && !r->setting.fixed && !r->broken &&
-                 !r->result->bond.present && !r->problem->keep_fields;
+    bool plain =
+        !r->setting.source && !r->setting.fixed && !r->broken && !r->result->bond.present;
     r->symmetry = ph_i_symmetry_none(r->map->ns);
-    if (!plain || ph_i_run_second_order(r)) return PH_OK;
+    if (!plain) return PH_OK;
     return ph_i_symmetry_find(&r->setting.box, r->map, &r->symmetry, err);
 }
 

@@ -119,14 +119,22 @@ bool ph_i_run_second_order(const ph_run *r)
            (!r->problem->loads || r->problem->loads == ph_i_run_all_loads(r->result));
 }
 
+static ph_status keep_displacement(ph_run *r, int load, ph_error *err)
+{
+    ph_status st = PH_OK;
+    size_t n = (size_t)(r->op->layout.nd * r->op->layout.cells);
+    if (!r->kept[load])
+        PH_DOUBLES(r->kept[load], &r->meter, n, "the displacement of a load");
+    memcpy(r->kept[load], r->u, n * sizeof(double));
+out:
+    return st;
+}
+
+/* Products of the residual of a load that is kept with the displacements kept so far. */
 static ph_status keep_residual(ph_run *r, int load, const double *macro, ph_error *err)
 {
     ph_status st = PH_OK;
     ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
-    size_t bytes = sizeof(double) * (size_t)n;
-    if (!r->kept[load])
-        PH_DOUBLES(r->kept[load], &r->meter, (size_t)n, "the displacement of a load");
-    memcpy(r->kept[load], r->u, bytes);
     if (!r->residual) {
         PH_DOUBLES(r->residual, &r->meter, (size_t)n, "a residual");
         PH_DOUBLES(r->product, &r->meter, (size_t)n, "a product");
@@ -136,11 +144,12 @@ static ph_status keep_residual(ph_run *r, int load, const double *macro, ph_erro
     ph_i_operator_apply(r->op, r->kept[load], r->product);
     for (int a = 0; a <= load; a++) {
         double sum = 0.0;
-        for (ptrdiff_t x = 0; x < n; x++)
+        for (ptrdiff_t x = 0; r->kept[a] && x < n; x++)
             if (!r->setting.fixed || !r->setting.fixed[x % cells])
                 sum += r->kept[a][x] * (r->residual[x] - r->product[x]);
         r->second.m[a][load] = sum / (double)r->setting.averaged;
     }
+    memcpy(r->u, r->kept[load], (size_t)n * sizeof(double));
 out:
     return st;
 }
@@ -192,6 +201,22 @@ ph_status ph_i_run_solve(ph_run *r, const double *macro, bool by_stress,
     return solve_for(r, by_stress, guess, report, err);
 }
 
+/* What is wanted of the load whose displacement is in r->u. */
+static ph_status take_load(ph_run *r, int load, const double *macro, const double *unit,
+                           bool converged, ph_error *err)
+{
+    ph_status st = PH_OK;
+    if (converged && macro && ph_i_run_second_order(r))
+        PH_TRY(keep_residual(r, load, macro, err));
+    if (r->first[load])
+        memcpy(r->first[load], r->u,
+               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+    PH_TRY(take_column(r, load, macro, unit, err));
+    if (r->keep_fields && converged) st = ph_i_run_keep_fields(r, load, macro, err);
+out:
+    return st;
+}
+
 static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -200,7 +225,6 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     unit[load] = 1.0;
     const double *macro = ph_i_run_by_stress(r, load) ? NULL : unit;
     ph_cg_report report = new_report(r, number, loads, r->first[load] != NULL);
-    size_t size = sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells);
     if (macro)
         ph_i_operator_load(r->op, macro, r->load);
     else
@@ -209,13 +233,31 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
     res->iterations[res->nloads] = report.iterations;
     res->residual[res->nloads++] = report.residual;
     if (st != PH_OK && st != PH_ENOCONV) return st;
-    if (st == PH_OK && macro && ph_i_run_second_order(r))
-        PH_TRY(keep_residual(r, load, macro, err));
-    if (r->kept[load]) memcpy(r->u, r->kept[load], size);
-    if (r->first[load]) memcpy(r->first[load], r->u, size);
-    ph_status taken = take_column(r, load, macro, unit, err);
-    if (taken != PH_OK) return taken;
-    if (r->keep_fields && st == PH_OK) st = ph_i_run_keep_fields(r, load, macro, err);
+    bool follow = r->symmetry.count > 1 && r->keep_fields;
+    if (st == PH_OK && (follow || ph_i_run_second_order(r)))
+        PH_TRY(keep_displacement(r, load, err));
+    ph_status taken = take_load(r, load, macro, unit, st == PH_OK, err);
+    if (taken != PH_OK) st = taken;
+out:
+    return st;
+}
+
+/* A load that a symmetry makes of one that is solved and kept: its field is that one turned. */
+static ph_status turn_load(ph_run *r, int load, ph_error *err)
+{
+    ph_status st = PH_OK;
+    int from = load;
+    double unit[6] = {0};
+    unit[load] = 1.0;
+    const ph_turn *t = ph_i_symmetry_source(&r->symmetry, r->result->solved, load, &from);
+    const ptrdiff_t n = r->op->layout.nd * r->op->layout.cells;
+    bool corners = r->result->points != PH_POINTS_NODES;
+    ph_i_symmetry_turn_field(t, &r->setting.box, r->op->layout.nd, corners, r->kept[from],
+                             r->u);
+    for (ptrdiff_t x = 0; t->flip[from] < 0 && x < n; x++)
+        r->u[x] = -r->u[x];
+    if (ph_i_run_second_order(r)) PH_TRY(keep_displacement(r, load, err));
+    st = take_load(r, load, unit, unit, true, err);
 out:
     return st;
 }
@@ -247,12 +289,17 @@ static unsigned wanted_loads(const ph_run *r)
     return p->loads ? p->loads & all : all;
 }
 
+static int count_of(unsigned loads)
+{
+    int count = 0;
+    for (; loads; loads >>= 1)
+        count += (int)(loads & 1u);
+    return count;
+}
+
 static void say_symmetry(const ph_run *r)
 {
-    unsigned more = r->result->loads & ~r->result->solved;
-    int follow = 0;
-    for (int a = 0; a < r->map->ns; a++)
-        follow += (int)(more >> a & 1u);
+    int follow = count_of(r->result->loads & ~r->result->solved);
     if (follow)
         ph_i_note(r->result,
                   "loads: %d of the columns follow from the %d symmetries of the cell",
@@ -263,20 +310,23 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
-    unsigned loads = wanted_loads(r);
-    int count = 0, number = 0;
-    if (r->symmetry.count) loads = ph_i_symmetry_loads(&r->symmetry, loads);
-    for (int a = 0; a < r->map->ns; a++)
-        count += (loads >> a & 1) != 0;
-    if (!res->fields) PH_ALLOC(res->fields, count, "fields");
+    unsigned wanted = wanted_loads(r), loads = wanted;
+    int number = 0;
+    bool all_fields = r->keep_fields || ph_i_run_second_order(r);
+    if (r->symmetry.count) loads = ph_i_symmetry_loads(&r->symmetry, wanted);
+    if (!res->fields) PH_ALLOC(res->fields, count_of(wanted), "fields");
     r->columns.n = r->map->ns;
     for (int a = 0; a < r->map->ns; a++) {
-        if (!((loads >> a) & 1)) continue;
-        PH_TRY(solve_load(r, a, ++number, count, err));
-        res->solved |= 1u << a;
+        if (loads >> a & 1)
+            PH_TRY(solve_load(r, a, ++number, count_of(loads), err));
+        else if (all_fields && wanted >> a & 1)
+            PH_TRY(turn_load(r, a, err));
+        else
+            continue;
+        res->solved |= loads & 1u << a;
         res->loads |= 1u << a;
     }
-    if (r->symmetry.count)
+    if (r->symmetry.count && !ph_i_run_second_order(r))
         res->loads = ph_i_symmetry_complete(&r->symmetry, res->solved, &r->columns);
     say_symmetry(r);
     res->converged = true;
@@ -340,6 +390,7 @@ static ph_status refine(ph_run *r, ph_sym4 *c, ph_error *err)
             r->second.m[b][a] = r->second.m[a][b];
             c->m[a][b] = c->m[b][a] = r->columns.m[a][b] - r->second.m[a][b];
         }
+    if (r->symmetry.count) ph_i_symmetry_average(&r->symmetry, c);
     /* Cracks may leave nothing at all: what matters is small beside the whole cell. */
     double least = (r->broken ? 1e-3 : 1e-6) * r->map->softest;
     double off = worst_correction(&r->second, c, least);

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Cells count as equal up to this share of their stiffness: interfaces are cut to about 1e-11,
- * and the answer is off by no more. */
-static const double same = 1e-9;
+/* Cells count as equal up to this share of their stiffness, and the answer is off by no more;
+ * cut cells also up to what this share of the stiffest phase makes: they are cut to about that. */
+static const double same = 1e-9, share_off = 1e-10;
 /* Comparisons of cells that a candidate may take, in passes over the box. */
 enum { PASSES = 8 };
 
@@ -25,7 +25,7 @@ static int component(int ns, int i, int j)
 
 static ph_turn make_turn(int ns, const int to[3], const int sign[3])
 {
-    ph_turn t;
+    ph_turn t = {.shift = {0}};
     memcpy(t.to, to, sizeof t.to);
     memcpy(t.sign, sign, sizeof t.sign);
     for (int a = 0; a < ns; a++) {
@@ -42,15 +42,25 @@ static bool equal(const ph_turn *a, const ph_turn *b)
            memcmp(a->sign, b->sign, sizeof a->sign) == 0;
 }
 
-/* First b, then a. */
-static ph_turn product(int ns, const ph_turn *a, const ph_turn *b)
+static ptrdiff_t wrapped(ptrdiff_t i, ptrdiff_t n)
+{
+    return i < 0 ? i + n : i < n ? i : i - n;
+}
+
+/* First b, then a, on a box of n cells. */
+static ph_turn product(int ns, const ptrdiff_t n[3], const ph_turn *a, const ph_turn *b)
 {
     int to[3], sign[3];
     for (int d = 0; d < 3; d++) {
         to[d] = a->to[b->to[d]];
         sign[d] = b->sign[d] * a->sign[b->to[d]];
     }
-    return make_turn(ns, to, sign);
+    ph_turn t = make_turn(ns, to, sign);
+    for (int d = 0; d < 3; d++) {
+        int e = b->to[d], f = a->to[e];
+        t.shift[f] = wrapped(a->sign[e] * b->shift[e] + a->shift[f], n[f]);
+    }
+    return t;
 }
 
 static bool has(const ph_cell_symmetry *s, const ph_turn *t)
@@ -61,12 +71,12 @@ static bool has(const ph_cell_symmetry *s, const ph_turn *t)
 }
 
 /* The group that the turns found so far make with one more. */
-static void add(ph_cell_symmetry *s, const ph_turn *t)
+static void add(ph_cell_symmetry *s, const ptrdiff_t n[3], const ph_turn *t)
 {
     s->turn[s->count++] = *t;
     for (int a = 0; a < s->count; a++)
         for (int b = 0; b < s->count; b++) {
-            ph_turn p = product(s->ns, &s->turn[a], &s->turn[b]);
+            ph_turn p = product(s->ns, n, &s->turn[a], &s->turn[b]);
             if (!has(s, &p) && s->count < PH_TURNS) {
                 s->turn[s->count++] = p;
                 a = b = 0;
@@ -88,22 +98,30 @@ typedef struct search {
     const ph_grid *box;
     const ph_stiffness_map *map;
     ptrdiff_t count, *cell; /* of the rarest kind */
-    const ph_turn *turn;
+    ph_turn *turn;
     bool *whole;      /* [materials] the turn leaves this material as it is */
+    double stiffest;  /* entry of a phase */
     ptrdiff_t budget; /* comparisons left */
 } search;
 
-static ptrdiff_t turned(const search *s, ptrdiff_t x, const ptrdiff_t shift[3])
+/* Where a turn takes the cell, or the lower corner of the cell, at `at`. */
+static ptrdiff_t turned_place(const ph_turn *t, const ptrdiff_t n[3],
+                              const ptrdiff_t at[3], bool corner)
+{
+    ptrdiff_t y[3];
+    for (int d = 0; d < 3; d++) {
+        int e = t->to[d];
+        ptrdiff_t last = corner ? n[d] : n[d] - 1;
+        y[e] = wrapped((t->sign[d] > 0 ? at[d] : last - at[d]) + t->shift[e], n[e]);
+    }
+    return (y[0] * n[1] + y[1]) * n[2] + y[2];
+}
+
+static ptrdiff_t turned(const search *s, ptrdiff_t x)
 {
     const ptrdiff_t *n = s->box->n;
     const ptrdiff_t at[3] = {x / n[2] / n[1], x / n[2] % n[1], x % n[2]};
-    ptrdiff_t y[3];
-    for (int d = 0; d < 3; d++) {
-        int e = s->turn->to[d];
-        y[e] = (s->turn->sign[d] > 0 ? at[d] : n[d] - 1 - at[d]) + shift[e];
-        if (y[e] >= n[e]) y[e] -= n[e];
-    }
-    return (y[0] * n[1] + y[1]) * n[2] + y[2];
+    return turned_place(s->turn, n, at, false);
 }
 
 static bool turns_into(const search *s, int from, int to)
@@ -119,28 +137,29 @@ static bool turns_into(const search *s, int from, int to)
             off = fmax(off, fabs(t->flip[i] * t->flip[j] * a[i * ns + j] - v));
             size = fmax(size, fabs(v));
         }
-    return off <= same * size;
+    bool cut = from >= s->map->materials && to >= s->map->materials;
+    return off <= same * size + (cut ? share_off * s->stiffest : 0.0);
 }
 
-static bool cell_fits(search *s, ptrdiff_t x, const ptrdiff_t shift[3])
+static bool cell_fits(search *s, ptrdiff_t x)
 {
-    int from = s->map->index[x], to = s->map->index[turned(s, x, shift)];
+    int from = s->map->index[x], to = s->map->index[turned(s, x)];
     s->budget--;
     if (from == to && from < s->map->materials) return s->whole[from];
     return turns_into(s, from, to);
 }
 
-static bool fits(search *s, const ptrdiff_t shift[3])
+static bool fits(search *s)
 {
     for (ptrdiff_t i = 0; i < s->count; i++)
-        if (!cell_fits(s, s->cell[i], shift)) return false;
+        if (!cell_fits(s, s->cell[i])) return false;
     for (ptrdiff_t x = 0; x < s->map->cells; x++)
-        if (!cell_fits(s, x, shift)) return false;
+        if (!cell_fits(s, x)) return false;
     return true;
 }
 
-/* Some cell of the rarest kind must come to lie on one of them. */
-static bool is_symmetry(search *s, const ph_turn *turn)
+/* Some cell of the rarest kind must come to lie on one of them: that finds the shift. */
+static bool is_symmetry(search *s, ph_turn *turn)
 {
     const ptrdiff_t *n = s->box->n;
     s->turn = turn;
@@ -152,15 +171,15 @@ static bool is_symmetry(search *s, const ph_turn *turn)
     }
     for (int m = 0; m < s->map->materials; m++)
         s->whole[m] = turns_into(s, m, m);
-    const ptrdiff_t none[3] = {0, 0, 0};
-    ptrdiff_t x = turned(s, s->cell[0], none);
+    memset(turn->shift, 0, sizeof turn->shift);
+    ptrdiff_t x = turned(s, s->cell[0]);
     for (ptrdiff_t i = 0; i < s->count && s->budget > 0; i++) {
         ptrdiff_t y = s->cell[i];
         ptrdiff_t shift[3] = {y / n[2] / n[1] - x / n[2] / n[1],
                               y / n[2] % n[1] - x / n[2] % n[1], y % n[2] - x % n[2]};
         for (int d = 0; d < 3; d++)
-            if (shift[d] < 0) shift[d] += n[d];
-        if (fits(s, shift)) return true;
+            turn->shift[d] = wrapped(shift[d], n[d]);
+        if (fits(s)) return true;
     }
     return false;
 }
@@ -200,13 +219,15 @@ ph_status ph_i_symmetry_find(const ph_grid *box, const ph_stiffness_map *map,
     ph_cell_symmetry found = ph_i_symmetry_none(map->ns);
     PH_ALLOC(s.whole, map->materials, "phase flags");
     PH_TRY(rarest(&s, err));
+    for (int i = 0; i < map->ns * map->ns * map->materials; i++)
+        s.stiffest = fmax(s.stiffest, fabs(map->c[i]));
     for (int k = 0; k < 6; k++)
         for (int signs = 0; signs < 8; signs++) {
             bool plane = map->ns == 3;
             if (plane && (order[k][2] != 2 || signs & 4)) continue;
             int sign[3] = {signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1};
             ph_turn t = make_turn(map->ns, order[k], sign);
-            if (!has(&found, &t) && is_symmetry(&s, &t)) add(&found, &t);
+            if (!has(&found, &t) && is_symmetry(&s, &t)) add(&found, box->n, &t);
         }
     *out = found;
 out:
@@ -217,21 +238,25 @@ out:
 
 /* ---- what follows ----------------------------------------------------------------------- */
 
-/* The first load that a symmetry turns into load a, or a itself. */
-static int first_of(const ph_cell_symmetry *s, int a)
+const ph_turn *ph_i_symmetry_source(const ph_cell_symmetry *s, unsigned loads, int a,
+                                    int *from)
 {
-    int first = a;
-    for (int k = 0; k < s->count; k++)
-        for (int b = 0; b < first; b++)
-            if (s->turn[k].place[b] == a) first = b;
-    return first;
+    for (int b = 0; b < s->ns; b++)
+        for (int k = 0; loads >> b & 1 && k < s->count; k++)
+            if (s->turn[k].place[b] == a) {
+                *from = b;
+                return &s->turn[k];
+            }
+    return NULL;
 }
 
 unsigned ph_i_symmetry_loads(const ph_cell_symmetry *s, unsigned wanted)
 {
     unsigned loads = 0;
+    int from;
     for (int a = 0; a < s->ns; a++)
-        if (wanted >> a & 1) loads |= 1u << first_of(s, a);
+        if (wanted >> a & 1 && !ph_i_symmetry_source(s, loads, a, &from))
+            loads |= 1u << a;
     return loads;
 }
 
@@ -299,4 +324,44 @@ unsigned ph_i_symmetry_complete(const ph_cell_symmetry *s, unsigned solved, ph_s
         }
     }
     return there;
+}
+
+void ph_i_symmetry_average(const ph_cell_symmetry *s, ph_sym4 *c)
+{
+    bool done[6][6] = {{false}};
+    const ph_sym4 was = *c;
+    for (int a = 0; a < s->ns; a++)
+        for (int b = a; b < s->ns; b++) {
+            double sum = 0.0, known = 0.0;
+            if (done[a][b]) continue;
+            for (int k = 0; k < s->count; k++) {
+                const ph_turn *t = &s->turn[k];
+                double v = was.m[t->place[a]][t->place[b]];
+                if (isnan(v)) continue;
+                sum += t->flip[a] * t->flip[b] * v;
+                known++;
+            }
+            double mean = cancels(s, a, b) ? 0.0 : sum / known; /* NaN: none is known */
+            for (int k = 0; k < s->count; k++) {
+                const ph_turn *t = &s->turn[k];
+                int i = t->place[a], j = t->place[b];
+                c->m[i][j] = c->m[j][i] =
+                    t->flip[a] * t->flip[b] * mean + 0.0; /* no -0 */
+                done[i][j] = done[j][i] = true;
+            }
+        }
+}
+
+void ph_i_symmetry_turn_field(const ph_turn *t, const ph_grid *box, int nd, bool corners,
+                              const double *u, double *out)
+{
+    const ptrdiff_t *n = box->n, cells = ph_grid_cells(box);
+    ptrdiff_t x = 0, at[3];
+    for (at[0] = 0; at[0] < n[0]; at[0]++)
+        for (at[1] = 0; at[1] < n[1]; at[1]++)
+            for (at[2] = 0; at[2] < n[2]; at[2]++, x++) {
+                ptrdiff_t y = turned_place(t, n, at, corners);
+                for (int d = 0; d < nd; d++)
+                    out[t->to[d] * cells + y] = t->sign[d] * u[d * cells + x];
+            }
 }

@@ -11,10 +11,11 @@
 #include "model/stiffness_map.h"
 
 /** Axis d becomes sign[d] times axis to[d]; so Mandel component a becomes flip[a] times
- *  component place[a]. */
+ *  component place[a]. Then all moves by `shift` cells, 0 to n - 1. */
 typedef struct ph_turn {
     int to[3], sign[3];
     int place[6], flip[6];
+    ptrdiff_t shift[3];
 } ph_turn;
 
 enum { PH_TURNS = 48 };
@@ -31,8 +32,16 @@ ph_cell_symmetry ph_i_symmetry_none(int ns);
  *  candidates; one that needs more is taken for none. */
 ph_status ph_i_symmetry_find(const ph_grid *box, const ph_stiffness_map *map,
                              ph_cell_symmetry *out, ph_error *err);
-/** The loads of which the columns of `wanted` follow. */
+/** The first of `wanted` that the others of them follow from. */
 unsigned ph_i_symmetry_loads(const ph_cell_symmetry *s, unsigned wanted);
+/** The turn that makes load a, times its flip[*from], of load *from, one of `loads`; the
+ *  identity where a is one of them, NULL where a does not follow. */
+const ph_turn *ph_i_symmetry_source(const ph_cell_symmetry *s, unsigned loads, int a,
+                                    int *from);
+/** Turn a displacement [nd][cells] at the cell centres or at the lower corners of the cells.
+ *  @param[out] out is not u */
+void ph_i_symmetry_turn_field(const ph_turn *turn, const ph_grid *box, int nd,
+                              bool corners, const double *u, double *out);
 /** Components that stresses or strains of component `a` alone may come with: the block of the
  *  effective tensor that has to be inverted for row a of the compliance. */
 unsigned ph_i_symmetry_block(const ph_cell_symmetry *s, int a);
@@ -40,5 +49,8 @@ unsigned ph_i_symmetry_block(const ph_cell_symmetry *s, int a);
  *  @return the columns that are there */
 unsigned ph_i_symmetry_complete(const ph_cell_symmetry *s, unsigned solved,
                                 ph_sym4 *columns);
+/** Mean of a symmetric tensor over the symmetries, exactly symmetric, with exact zeros. Entries
+ *  that are NaN are not known: they follow from those that are. */
+void ph_i_symmetry_average(const ph_cell_symmetry *s, ph_sym4 *tensor);
 
 #endif
