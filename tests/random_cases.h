@@ -74,7 +74,7 @@ static inline random_case new_case(uint64_t *seed, ph_kinematics kin, const ptrd
     random_case c = {.micro = random_micro(seed, kin, n, voids)};
     ph_error err = PH_ERROR_INIT;
     const ph_grid *g = &c.micro->grid;
-    CHECK_OK(ph_i_stiffness_map_new(c.micro, PH_INTERFACE_COMPOSITE, NULL,
+    CHECK_OK(ph_i_stiffness_map_new(c.micro, PH_INTERFACE_COMPOSITE, true, NULL,
                                     ph_grid_cells(g), &c.meter, &c.map, &err));
     if (points != PH_POINTS_AUTO) {
         double sum = 0.0, widest = 0.0;

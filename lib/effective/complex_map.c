@@ -99,11 +99,12 @@ static ph_status mix(const ph_complex_map *m, ptrdiff_t first, ph_complex_tensor
     for (ptrdiff_t i = 0; i < ph_i_cuts_of_cell(micro, first); i++) {
         const ph_complex_tensor under = c, *over = &m->phase[cut[i].material];
         bool hole = micro->materials[cut[i].material].is_void, empty = solid == 0.0;
-        double f = ph_i_cut_fraction(&cut[i], hole, &solid);
+        double f = ph_i_cut_fraction(&cut[i], hole, &solid), normal[3];
+        ph_i_cut_normal(m->relax->map, &micro->grid, &cut[i], normal);
         if (hole || empty)
             c = combine(1.0 - f, &under, f, over);
         else
-            PH_TRY(ph_i_complex_laminate(&under, over, f, cut[i].normal, &c, err));
+            PH_TRY(ph_i_complex_laminate(&under, over, f, normal, &c, err));
     }
     *out = c;
 out:

@@ -41,7 +41,9 @@ static void describe(const ph_relaxing_map *r, ptrdiff_t first, ph_cell_laminate
         l->phase[j + 1] = cut[j].material;
         l->share[j + 1] = f;
         if (hole || empty) continue;
-        add_jump(l, n, j + 1, f, cut[j].normal, l->njumps);
+        double normal[3];
+        ph_i_cut_normal(r->map, &r->micro->grid, &cut[j], normal);
+        add_jump(l, n, j + 1, f, normal, l->njumps);
         l->njumps += nd;
     }
 }

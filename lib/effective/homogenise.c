@@ -217,19 +217,38 @@ static double widest_spacing(const ph_grid *g)
     return h;
 }
 
+/* Anew where there is a map already. */
+static ph_status make_map(ph_run *r, bool apparent, const ptrdiff_t *source,
+                          const ph_grid *box, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_problem *p = r->problem;
+    ph_i_stiffness_map_free(&r->meter, &r->map);
+    PH_TRY(ph_i_stiffness_map_new(p->micro, p->interface, apparent, source,
+                                  ph_grid_cells(box), &r->meter, &r->map, err));
+    r->map->contrast = fmax(r->map->contrast, r->contrast);
+    r->map->least_contrast = fmax(r->map->least_contrast, r->contrast);
+out:
+    return st;
+}
+
+/* Strains that are the mean gradient of a cell's corners see oblique interfaces turned. */
+static bool sees_apparent_normals(const ph_run *r)
+{
+    const ph_problem *p = r->problem;
+    bool corners = !r->family || (r->params.smallest && !r->result->bond.present);
+    return corners && p->interface == PH_INTERFACE_COMPOSITE && p->micro->ncuts > 0;
+}
+
 /* Map of the RVE itself, which is what `auto` looks at. */
 ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_problem *p = r->problem;
     ph_result *res = r->result;
-    ptrdiff_t cells = ph_grid_cells(&p->micro->grid);
-    PH_TRY(ph_i_stiffness_map_new(p->micro, p->interface, NULL, cells, &r->meter, &r->map,
-                                  err));
+    PH_TRY(make_map(r, false, NULL, &p->micro->grid, err));
     PH_CHECK(r->map->softest > 0.0, PH_EUNPHYSICAL,
              "every phase of the microstructure is void: its stiffness is zero");
-    r->map->contrast = fmax(r->map->contrast, r->contrast);
-    r->map->least_contrast = fmax(r->map->least_contrast, r->contrast);
     PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
                              res, err));
     PH_CHECK(!(res->bond.present && r->constraint->by_stress), PH_EINVAL,
@@ -250,12 +269,9 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
         PH_TRY(ph_i_bond_classes_new(p->micro, p->model.kappa, r->setting.source,
                                      ph_grid_cells(&r->setting.box), &r->classes, err));
     r->params.classes = r->classes;
-    if (r->setting.source) {
-        ph_i_stiffness_map_free(&r->meter, &r->map);
-        PH_TRY(ph_i_stiffness_map_new(p->micro, p->interface, r->setting.source,
-                                      ph_grid_cells(&r->setting.box), &r->meter, &r->map,
-                                      err));
-    }
+    if (r->setting.source || sees_apparent_normals(r))
+        PH_TRY(make_map(r, sees_apparent_normals(r), r->setting.source, &r->setting.box,
+                        err));
 out:
     return st;
 }

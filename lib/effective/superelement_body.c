@@ -92,8 +92,8 @@ ph_status ph_i_body_new(ph_run *r, ph_body **out, ph_error *err)
         b->params = r->params;
         b->params.one_sided = false;
         b->params.broken = NULL;
-        PH_TRY(ph_i_stiffness_map_new(p->micro, p->interface, b->source, cells, b->meter,
-                                      &b->map, err));
+        PH_TRY(ph_i_stiffness_map_new(p->micro, p->interface, r->map->apparent, b->source,
+                                      cells, b->meter, &b->map, err));
         PH_TRY(ph_i_bondlist_new(&b->box, b->map, &b->params, b->meter, &b->list, err));
     }
     *out = b;

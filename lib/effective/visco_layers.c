@@ -21,10 +21,12 @@ static ptrdiff_t *mixtures(const ph_microstructure *m, const ph_stiffness_map *m
     return first;
 }
 
-static void add_layer(ph_layers *l, ptrdiff_t at, int material, const ph_cut *cut)
+static void add_layer(ph_layers *l, const ph_stiffness_map *map, ptrdiff_t at,
+                      int material, const ph_cut *cut)
 {
     int size = l->six[material] ? 6 : l->ns;
-    l->layer[at] = (ph_layer){material, 1.0, 1.0, size, l->record, cut};
+    l->layer[at] = (ph_layer){material, 1.0, 1.0, size, l->record, cut, {0}};
+    if (cut) ph_i_cut_normal(map, &l->micro->grid, cut, l->layer[at].normal);
     l->record += size;
 }
 
@@ -75,9 +77,9 @@ ph_status ph_i_layers_init(ph_layers *l, const ph_microstructure *micro,
         if ((region && !region[x]) || !is_kept(l, map, e)) continue;
         l->begin[i] = at;
         l->cell[i++] = x;
-        add_layer(l, at++, m < 0 ? e : micro->cuts[first[m]].base, NULL);
+        add_layer(l, map, at++, m < 0 ? e : micro->cuts[first[m]].base, NULL);
         for (ptrdiff_t c = m < 0 ? 0 : first[m]; m >= 0 && c < first[m + 1]; c++)
-            add_layer(l, at++, micro->cuts[c].material, &micro->cuts[c]);
+            add_layer(l, map, at++, micro->cuts[c].material, &micro->cuts[c]);
         share_cell(l, l->layer + l->begin[i - 1], at - l->begin[i - 1]);
         if (at - l->begin[i - 1] > l->deepest) l->deepest = (int)(at - l->begin[i - 1]);
     }
@@ -190,8 +192,7 @@ static ph_status stack(ph_layers *l, const ph_layer *layer, ptrdiff_t n,
     l->under[0] = phase[layer[0].material];
     for (ptrdiff_t k = 1; k + 1 < n; k++)
         PH_TRY(ph_sym4_laminate(&l->under[k - 1], &phase[layer[k].material],
-                                layer[k].fraction, layer[k].cut->normal, &l->under[k],
-                                err));
+                                layer[k].fraction, layer[k].normal, &l->under[k], err));
 out:
     return st;
 }
@@ -232,10 +233,10 @@ static ph_status localise_cell(ph_layers *l, const ph_layer *layer, ptrdiff_t n,
         double f = layer[k].fraction;
         memcpy(over, e, sizeof over);
         if (ph_sym4_norm(O) > 0.0 && ph_sym4_norm(U) > 0.0) {
-            PH_CHECK(jump(U, O, f, layer[k].cut->normal, e, a), PH_ESINGULAR,
+            PH_CHECK(jump(U, O, f, layer[k].normal, e, a), PH_ESINGULAR,
                      "a cut cell has layers without stiffness");
-            add_jump(l->ns, a, layer[k].cut->normal, 1.0 - f, over);
-            add_jump(l->ns, a, layer[k].cut->normal, -f, e);
+            add_jump(l->ns, a, layer[k].normal, 1.0 - f, over);
+            add_jump(l->ns, a, layer[k].normal, -f, e);
         }
         keep(&layer[k], l->ns, &space[layer[k].material], over, x);
     }

@@ -21,6 +21,7 @@ typedef struct ph_layer {
     int size;          /* strains kept: ns, or 6 in plane stress */
     ptrdiff_t first;   /* of them in the doubles of a record */
     const ph_cut *cut; /* that brought it in; NULL: the base */
+    double normal[3];  /* of the cut, see ph_i_cut_normal */
 } ph_layer;
 
 typedef struct ph_layers {

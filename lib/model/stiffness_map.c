@@ -49,18 +49,43 @@ double ph_i_cut_fraction(const ph_cut *c, bool hole, double *solid)
     return f;
 }
 
+void ph_i_cut_normal(const ph_stiffness_map *map, const ph_grid *grid, const ph_cut *cut,
+                     double normal[3])
+{
+    double v[3], width = 0.0, along = 0.0, size = 0.0;
+    memcpy(normal, cut->normal, 3 * sizeof *normal);
+    if (!map->apparent) return;
+    for (int a = 0; a < 3; a++) {
+        v[a] = normal[a] * normal[a] * (grid->n[a] > 1 ? grid->h[a] * grid->h[a] : 0.0);
+        width += v[a];
+    }
+    if (!(width > 0.0)) return;
+    for (int a = 0; a < 3; a++) {
+        v[a] *= normal[a] / width;
+        along += v[a] * normal[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        normal[a] -= 0.5 * (v[a] - along * normal[a]);
+        size += normal[a] * normal[a];
+    }
+    for (int a = 0; a < 3; a++)
+        normal[a] /= sqrt(size);
+}
+
 /* Stiffness of one cut cell: its cuts in painting order, each a laminate. */
-static ph_status mix(const ph_cut *cut, ptrdiff_t n, const ph_sym4 *phase, ph_sym4 *out,
-                     ph_error *err)
+static ph_status mix(const ph_stiffness_map *map, const ph_grid *grid, const ph_cut *cut,
+                     ptrdiff_t n, const ph_sym4 *phase, ph_sym4 *out, ph_error *err)
 {
     ph_status st = PH_OK;
+    double normal[3];
     *out = phase[cut[0].base];
     double solid = ph_sym4_norm(out) > 0.0;
     for (ptrdiff_t i = 0; i < n; i++) {
         ph_sym4 under = *out;
         const ph_sym4 *over = &phase[cut[i].material];
         double f = ph_i_cut_fraction(&cut[i], ph_sym4_norm(over) == 0.0, &solid);
-        PH_TRY(ph_sym4_laminate(&under, over, f, cut[i].normal, out, err));
+        ph_i_cut_normal(map, grid, &cut[i], normal);
+        PH_TRY(ph_sym4_laminate(&under, over, f, normal, out, err));
     }
 out:
     return st;
@@ -168,7 +193,7 @@ ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure 
     for (ptrdiff_t i = 0, n; next < map->count; i += n, next++) {
         ph_sym4 c = nothing;
         n = ph_i_cuts_of_cell(micro, i);
-        if (mixed) PH_TRY(mix(&micro->cuts[i], n, phase, &c, err));
+        if (mixed) PH_TRY(mix(map, &micro->grid, &micro->cuts[i], n, phase, &c, err));
         ph_i_stiffness_map_store(map, next, &c);
     }
     if (!mixed) goto out;
@@ -180,7 +205,7 @@ out:
 }
 
 ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
-                                 const ptrdiff_t *source, ptrdiff_t cells,
+                                 bool apparent, const ptrdiff_t *source, ptrdiff_t cells,
                                  ph_meter *meter, ph_stiffness_map **out, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -194,6 +219,7 @@ ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface in
     map->ns = ph_strains(micro->grid.kinematics);
     map->cells = cells;
     map->materials = micro->nmaterials;
+    map->apparent = apparent;
     PH_ALLOC(phase, micro->nmaterials, "reduced stiffness");
     PH_ALLOC(map->used, micro->nmaterials, "phase flags");
     PH_ALLOC(entry, rve, "the stiffness index");

@@ -25,6 +25,8 @@ typedef struct ph_stiffness_map {
         least_contrast; /* of their smallest eigenvalues: what is soft or rigid, not what
                             * is only nearly incompressible */
     double softest;     /* trace / ns of the softest solid phase */
+    bool
+        apparent; /* cut cells are layered along the apparent normal of their interface */
     ph_sym4 middle; /* mean of the stiffest and the softest solid: the reference medium */
 } ph_stiffness_map;
 
@@ -32,9 +34,10 @@ enum { PH_SOURCE_VOID = -1 }; /* other negatives: -2 - material */
 
 /** Reduce the phases to the kinematics, mix the cut cells, index every cell.
  *  @param[in] source [cells] which cell of the RVE stands in each cell of the box, or
- *             PH_SOURCE_VOID, or -2 - material; NULL: the box is the RVE */
+ *             PH_SOURCE_VOID, or -2 - material; NULL: the box is the RVE
+ *  @param[in] apparent see ph_i_cut_normal */
 ph_status ph_i_stiffness_map_new(const ph_microstructure *micro, ph_interface interface,
-                                 const ptrdiff_t *source, ptrdiff_t cells,
+                                 bool apparent, const ptrdiff_t *source, ptrdiff_t cells,
                                  ph_meter *meter, ph_stiffness_map **out, ph_error *err);
 /** Other tensors for the same cells. What was made of the map (a preconditioner, a factor)
  *  does not follow, and `softest`, of which the stabilisation is made, stays.
@@ -54,6 +57,15 @@ ptrdiff_t ph_i_cuts_of_cell(const ph_microstructure *micro, ptrdiff_t i);
 /** The fraction that a cut gets over a cell of which the share `solid` is not void; updates
  *  it. A cell keeps a least share of solid. @param[in] hole the cut brings in a void */
 double ph_i_cut_fraction(const ph_cut *cut, bool hole, double *solid);
+/** The normal along which a cut cell is layered: that of the interface, or, where the strain
+ *  of a cell is the mean gradient of its corners, the apparent one, n + dn with
+ *
+ *      dn = -(v - (v.n) n) / 2,    v_a = n_a^3 h_a^2 / sum_b n_b^2 h_b^2
+ *
+ *  (docs/theory/microstructure.md#the-apparent-normal), which takes the first-order error of
+ *  oblique interfaces away. Along axes and, in square cells, diagonals both are the same. */
+void ph_i_cut_normal(const ph_stiffness_map *map, const ph_grid *grid, const ph_cut *cut,
+                     double normal[3]);
 
 /** First entry of a cut cell: entry - this is its number in painting order of cells. */
 static inline int ph_i_first_mixture(const ph_stiffness_map *map)

@@ -483,8 +483,8 @@ static double iteration(const ptrdiff_t *n, const char *points, double horizon,
             .stabilisation = strcmp(points, "subpoint") == 0 ? PH_STABILISE_SUBPOINT
                                                              : PH_STABILISE_SPECTRAL}};
     parts p = {0};
-    if (ph_i_stiffness_map_new(micro, PH_INTERFACE_NODE_CENTRE, NULL, cells, &meter, &map,
-                               &err) ||
+    if (ph_i_stiffness_map_new(micro, PH_INTERFACE_NODE_CENTRE, false, NULL, cells,
+                               &meter, &map, &err) ||
         ph_i_model_choose(&problem, map, false, &params, &family, NULL, &err))
         die("iteration", &err);
     params.threads = 1;

@@ -67,7 +67,7 @@ static medium new_medium(uint64_t *seed, size_t shape, double share, bool owners
         .micro = random_fillers(seed, shapes[shape].kin, shapes[shape].n, share, owners)};
     const ph_grid *g = &m.micro->grid;
     size_t profile = (size_t)((double)ph_nmicromoduli * check_random(seed));
-    CHECK_OK(ph_i_stiffness_map_new(m.micro, PH_INTERFACE_NODE_CENTRE, NULL,
+    CHECK_OK(ph_i_stiffness_map_new(m.micro, PH_INTERFACE_NODE_CENTRE, false, NULL,
                                     ph_grid_cells(g), &m.meter, &m.map, &err));
     CHECK_OK(ph_bond_family_new(g, shapes[shape].spacings * 1.2, &ph_micromoduli[profile],
                                 1.0, &ph_volume_weights[1], PH_CALIBRATE_LATTICE,

@@ -16,8 +16,8 @@ static void new_maps(maps *m, uint64_t *seed, ph_kinematics kin)
     static const ptrdiff_t n[3] = {5, 4, 1};
     *m = (maps){.micro = viscous_micro(seed, kin, n, true)};
     ph_error err = PH_ERROR_INIT;
-    CHECK_OK(ph_i_stiffness_map_new(m->micro, PH_INTERFACE_COMPOSITE, NULL, 20, &m->meter,
-                                    &m->map, &err));
+    CHECK_OK(ph_i_stiffness_map_new(m->micro, PH_INTERFACE_COMPOSITE, true, NULL, 20,
+                                    &m->meter, &m->map, &err));
     CHECK_OK(ph_i_relaxing_map_new(m->map, m->micro, 1, &m->meter, &m->relax, &err));
 }
 
@@ -61,8 +61,8 @@ static void test_carson(void **state)
             elastic.materials = at;
             for (int p = 0; p < VISCO_MATERIALS; p++)
                 CHECK_OK(ph_material_at(&m.micro->materials[p], s, &at[p], &err));
-            CHECK_OK(ph_i_stiffness_map_new(&elastic, PH_INTERFACE_COMPOSITE, NULL, 20,
-                                            &m.meter, &want, &err));
+            CHECK_OK(ph_i_stiffness_map_new(&elastic, PH_INTERFACE_COMPOSITE, true, NULL,
+                                            20, &m.meter, &want, &err));
             CHECK_OK(ph_i_relaxing_map_mixed(m.relax, 1.0, w, &err));
             for (int i = 0; want && i < want->count; i++) {
                 ph_sym4 a = tensor(m.map, i), b = tensor(want, i);
