@@ -28,7 +28,8 @@ def read_measured(path):
     for line in Path(path).read_text().splitlines():
         row = json.loads(line)
         who = row.get("peer") or row.get("model") or row.get("points")
-        key = (row["bench"], row.get("problem"), str(row["n"]), who, row.get("route"), row.get("horizon"))
+        key = (row["bench"], row.get("problem"), str(row["n"]), who, row.get("route"), row.get("horizon"),
+               row.get("contrast"), row.get("tolerance"))
         cost = row.get("cpu", row.get("ns_per_node", row.get("wall_2", 0)))
         if key not in best or cost < best[key][0]:
             best[key] = (cost, row)
@@ -152,6 +153,35 @@ def iteration_table(rows):
                   "preconditioner", "vectors", "transforms' share", "bytes/node"], out)
 
 
+def crossed(rows, bench, key, name, text):
+    """Tolerances across, key down; text of a row."""
+    mine = [r for r in rows if r["bench"] == bench]
+    tolerances = sorted({r["tolerance"] for r in mine}, reverse=True)
+    cell = {(key(r), r["tolerance"]): text(r) for r in mine}
+    down = list(dict.fromkeys(key(r) for r in mine))
+    return table([name] + [f"{t:g}" for t in tolerances],
+                 [[k] + [cell.get((k, t), "") for t in tolerances] for k in down])
+
+
+def precision_blocks(rows):
+    def grid(r):
+        return f"{r['n']}{'³' if r['problem'] == 'SC' else '²'}"
+
+    def contrast(r):
+        return f"{r['contrast']:g}" if r["contrast"] else "void"
+
+    def error(x):
+        return "refused" if x is None else number(x, 2)
+    return {
+        "precision-time": crossed(rows, "precision", grid, "grid", lambda r: f"{r['cpu_ratio']:.2f}"),
+        "precision-bytes": crossed(rows, "precision", grid, "grid", lambda r: f"{r['bytes_ratio']:.2f}"),
+        "precision-errors": crossed(rows, "precision_errors", contrast, "contrast",
+                                    lambda r: f"{error(r['error_double'])} / {error(r['error_single'])}"),
+        "precision-iterations": crossed(rows, "precision_errors", contrast, "contrast",
+                                        lambda r: f"{r['iterations_double']} / {r['iterations_single']}"
+                                        if r["iterations_double"] >= 0 else "")}
+
+
 def plain(rows, bench, columns):
     return table([c.replace("_", " ") for c in columns],
                  [[r[c] for c in columns] for r in rows if r["bench"] == bench])
@@ -165,6 +195,7 @@ def main(path):
               "equal-error": error_table(data), "spheres": sc_table(data), "iteration": iteration_table(rows),
               "horizon": plain(rows, "horizon", ["n", "ratio_12_over_2"]),
               "threads": plain(rows, "threads", ["problem", "n", "wall_1", "wall_2", "speedup", "cpu_1", "cpu_2", "same_bits"])}
+    blocks.update(precision_blocks(rows))
     page = ROOT / "docs/performance.md"
     text = page.read_text()
     for name, lines in blocks.items():

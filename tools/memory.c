@@ -4,6 +4,7 @@
 #include "check.h"
 #include "report.h"
 
+#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -37,7 +38,10 @@ ph_status memory_check_cells(const ph_case *c, bool solves, ph_error *err)
     for (int d = 0; d < 3; d++)
         cells *= c->nodes[d] > 0 ? (double)c->nodes[d] : 1.0;
     /* Conjugate gradients hold four vectors, in two directions at least. */
-    if (solves) each += 4.0 * 2.0 * sizeof(double);
+    const char *precision = c->solver.precision ? c->solver.precision : "double";
+    if (solves)
+        each += 4.0 * 2.0 *
+                (strcmp(precision, "double") == 0 ? sizeof(double) : sizeof(float));
     return refuse_above(cells * each, "at least", err);
 }
 

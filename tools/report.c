@@ -152,8 +152,11 @@ static void put_solver(FILE *to, const ph_result *r)
 {
     char bytes[32], total[32], solve[32];
     double worst = 0;
-    fprintf(to, "\nsolver      %s%s%s%s; iterations", r->solver ? r->solver : "none",
-            r->route ? " (" : "", r->route ? r->route : "", r->route ? ")" : "");
+    const char *single =
+        r->precision && strcmp(r->precision, "single") == 0 ? ", single precision" : "";
+    fprintf(to, "\nsolver      %s%s%s%s%s; iterations", r->solver ? r->solver : "none",
+            r->route ? " (" : "", r->route ? r->route : "", r->route ? single : "",
+            r->route ? ")" : "");
     for (int i = 0; i < r->nloads; i++) {
         fprintf(to, " %d", r->iterations[i]);
         worst = fmax(worst, r->residual[i]);

@@ -15,6 +15,8 @@ static const ph_catalogue catalogues[] = {
      sizeof *ph_constraints},
     {"solvers", "how the equations are solved", ph_solvers, &ph_nsolvers,
      sizeof *ph_solvers},
+    {"precisions", "of the numbers that a solver iterates with", ph_precisions,
+     &ph_nprecisions, sizeof *ph_precisions},
     {"influences", "influence functions of the bond length", ph_influences,
      &ph_ninfluences, sizeof *ph_influences},
     {"micromoduli", "bond-based: stiffness of a bond by its length", ph_micromoduli,

@@ -130,6 +130,17 @@ static double energy_left(const ph_result *r, int number)
     return safety * condition(r->iterations[number], t) * t * t;
 }
 
+/* The residual that floats leave beside the one that conjugate gradients are told, from above:
+ * the field is not the best one of its iterations, and every entry is off by its first power.
+ * Refined, the residual itself. Measured: docs/theory/solvers.md. */
+static const double of_floats = 1e-6;
+static double first_order(const ph_result *r, int number)
+{
+    double t = r->residual[number];
+    if (!r->precision || strcmp(r->precision, "single") != 0) return 0.0;
+    return sqrt(safety * condition(r->iterations[number], t)) * fmin(t, of_floats);
+}
+
 static const char *no_residual(const ph_error_evidence *e)
 {
     const ph_result *r = e->result;
@@ -143,23 +154,26 @@ static const char *no_residual(const ph_error_evidence *e)
  * stress, by the product of one error and one fluctuation, or of two errors. */
 static void entry_errors(const ph_result *r, ph_sym4 *off)
 {
-    double error[6] = {0}, size[6] = {0};
-    double worst = 0.0; /* of a load that follows from another one by symmetry */
+    double error[6] = {0}, floats[6] = {0}, size[6] = {0};
+    double worst = 0.0, worst_floats = 0.0; /* of a load that follows from another one */
     int number = 0;
     *off = (ph_sym4){.n = r->stiffness.n};
-    for (int i = 0; i < r->nloads && i < 6; i++)
+    for (int i = 0; i < r->nloads && i < 6; i++) {
         worst = fmax(worst, energy_left(r, i));
+        worst_floats = fmax(worst_floats, first_order(r, i));
+    }
     for (int a = 0; a < off->n; a++) {
         size[a] =
             sqrt(fmax(r->voigt.m[a][a] - r->stiffness.m[a][a], 1e-3 * r->voigt.m[a][a]));
         bool solved = r->solved >> a & 1u && number < r->nloads;
+        floats[a] = (solved ? first_order(r, number) : worst_floats) * size[a];
         error[a] = sqrt(solved ? energy_left(r, number++) : worst) * size[a];
     }
     for (int a = 0; a < off->n; a++)
         for (int b = 0; b < off->n; b++)
-            off->m[a][b] = a == b || r->second_order
-                               ? error[a] * error[b]
-                               : 0.5 * (error[a] * size[b] + error[b] * size[a]);
+            off->m[a][b] = r->second_order ? error[a] * error[b]
+                           : a == b        ? error[a] * error[a] + floats[a] * size[a]
+                                    : 0.5 * (error[a] * size[b] + error[b] * size[a]);
 }
 
 /* First-order propagation, every entry at its worst. */

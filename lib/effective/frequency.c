@@ -54,6 +54,7 @@ static ph_status new_sweep(sweep *s, ph_error *err)
     ph_meter *m = &r->meter;
     const char *no = ph_i_fft_cg_refuses(&r->system);
     PH_CHECK(!no, PH_EINVAL, "frequency cannot take this case: %s", no);
+    PH_TRY(ph_i_run_in_double(r, "frequency", err));
     if (r->state) r->solver->free(&r->state);
     PH_TRY(ph_i_relaxing_map_new(r->map, r->problem->micro, r->soft, m, &s->relax, err));
     PH_TRY(ph_i_complex_map_new(s->relax, &s->map, err));

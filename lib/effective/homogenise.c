@@ -69,6 +69,7 @@ static ph_status new_result(const ph_problem *p, ph_result **out, ph_error *err)
     const ph_microstructure *micro = p->micro;
     PH_ALLOC(res, 1, "the result");
     res->grid = micro->grid;
+    res->precision = "double";
     res->nmaterials = micro->nmaterials;
     PH_ALLOC(res->names, micro->nmaterials, "names");
     PH_ALLOC(res->fractions, micro->nmaterials, "fractions");
@@ -276,36 +277,61 @@ out:
     return st;
 }
 
-ph_status ph_i_run_build(ph_run *r, ph_error *err)
+static const double default_tolerance = 1e-6;
+
+double ph_i_run_tolerance(const ph_run *r)
 {
-    ph_status st = PH_OK;
-    char why[256];
-    /* Held or missing nodes need the hourglass term where the material is. */
-    r->params.hourglass_in_space = r->setting.source || r->setting.fixed;
-    r->params.threads = r->threads;
-    const char *kind = r->problem->solver.kind;
-    r->params.spectrum_in_u = kind && strcmp(kind, "fft_cg_single") == 0;
+    double t = r->problem->solver.tolerance;
+    return t > 0.0 ? t : default_tolerance;
+}
+
+ph_status ph_i_run_choose_solver(ph_run *r, ph_solver_choice *out, ph_error *err)
+{
+    ph_solver_params wanted = r->problem->solver;
+    wanted.tolerance = ph_i_run_tolerance(r);
     /* Points that see more than their own cell end with the body at its faces. */
     bool body = r->constraint->by_stress;
     r->params.one_sided = body && r->family && !r->params.smallest;
+    r->system = (ph_system){.setting = &r->setting,
+                            .params = &r->params,
+                            .map = r->map,
+                            .meter = &r->meter,
+                            .one_sided = r->params.one_sided,
+                            .relaxes = r->contrast > 0.0};
+    return ph_i_solver_choose(&wanted, &r->system, out, err);
+}
+
+ph_status ph_i_run_in_double(const ph_run *r, const char *route, ph_error *err)
+{
+    ph_status st = PH_OK;
+    PH_CHECK(strcmp(r->result->precision, "double") == 0, PH_EINVAL,
+             "precision single cannot take route %s, which is solved in double: take "
+             "carson or stepping, or precision double",
+             route);
+out:
+    return st;
+}
+
+ph_status ph_i_run_build(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_solver_choice choice;
+    /* Held or missing nodes need the hourglass term where the material is. */
+    r->params.hourglass_in_space = r->setting.source || r->setting.fixed;
+    r->params.threads = r->threads;
     memcpy(r->params.rve, r->result->grid.n, sizeof r->params.rve);
+    PH_TRY(ph_i_run_choose_solver(r, &choice, err));
+    r->solver = choice.method;
+    for (int i = 0; i < 2; i++)
+        if (choice.why[i][0]) ph_i_note(r->result, "%s", choice.why[i]);
     PH_TRY(
         ph_i_operator_new(&r->setting.box, r->map, &r->params, &r->meter, &r->op, err));
-    r->system = (ph_system){.op = r->op,
-                            .setting = &r->setting,
-                            .params = &r->params,
-                            .meter = &r->meter,
-                            .one_sided = r->params.one_sided};
-    r->solver = ph_i_solver_find(r->problem->solver.kind, &r->system, why);
-    PH_CHECK(r->solver, PH_EINVAL, "unknown solver '%s'", r->problem->solver.kind);
-    const char *no = r->solver->refuses(&r->system);
-    PH_CHECK(!no, PH_EINVAL, "solver '%s' cannot take this case: %s",
-             r->solver->info.name, no);
-    if (why[0]) ph_i_note(r->result, "%s", why);
+    r->system.op = r->op;
     PH_TRY(r->solver->init(&r->system, &r->state, err));
     r->load = r->op->f;
     r->u = r->op->u;
     r->result->solver = r->solver->info.name;
+    r->result->precision = choice.precision;
     r->result->route = ph_i_route_name(r->op->route);
 out:
     return st;

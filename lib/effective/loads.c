@@ -7,7 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double default_tolerance = 1e-6;
 enum { DEFAULT_ITERATIONS = 2000, ENERGY_STEPS = 4 };
 /* A load below this share of the forces that its stresses could make is round-off. */
 static const double no_load = 1e-13;
@@ -50,12 +49,6 @@ static void take_reactions(ph_run *r, int load, const double *macro)
         r->result->bond.reactions.m[i][load] = stress[i];
 }
 
-static double tolerance_of(const ph_run *r)
-{
-    double t = r->problem->solver.tolerance;
-    return t > 0.0 ? t : default_tolerance;
-}
-
 /* Averages of a solved load: its column, and what the energies say. */
 static ph_status take_column(ph_run *r, int load, const double *macro, const double *unit,
                              ph_error *err)
@@ -89,7 +82,7 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
     double solid = res->voigt.m[load][load], size_of_energy = fabs(total);
     /* A cell that cracks cut through has no energy but the solver's tolerance. */
     if (r->broken && macro)
-        size_of_energy = fmax(size_of_energy, tolerance_of(r) * solid);
+        size_of_energy = fmax(size_of_energy, ph_i_run_tolerance(r) * solid);
     res->strain_average = fmax(res->strain_average, sqrt(off / size));
     /* Layers with nothing between them: a load without energy has no share of it. */
     if (size_of_energy > no_load * (ph_i_run_by_stress(r, load) ? 1.0 / solid : solid)) {
@@ -114,7 +107,8 @@ static const double second_order_contrast = 1e3, second_order_tolerance = 1e-4;
 bool ph_i_run_second_order(const ph_run *r)
 {
     return (r->map->contrast > second_order_contrast || r->broken ||
-            (tolerance_of(r) > second_order_tolerance && !r->problem->nconstants)) &&
+            (ph_i_run_tolerance(r) > second_order_tolerance &&
+             !r->problem->nconstants)) &&
            !r->constraint->by_stress && !(r->op && r->op->bonds) &&
            (!r->problem->loads || r->problem->loads == ph_i_run_all_loads(r->result));
 }
@@ -157,7 +151,7 @@ out:
 static ph_cg_report new_report(const ph_run *r, int number, int loads, bool guessed)
 {
     const ph_solver_params *sp = &r->problem->solver;
-    return (ph_cg_report){.tolerance = tolerance_of(r),
+    return (ph_cg_report){.tolerance = ph_i_run_tolerance(r),
                           .max_iterations = sp->max_iterations > 0 ? sp->max_iterations
                                                                    : DEFAULT_ITERATIONS,
                           .ctx = r->ctx,

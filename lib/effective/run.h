@@ -46,6 +46,12 @@ ph_status ph_i_run_begin(ph_run *run, ph_error *err);
 ph_status ph_i_run_prepare(ph_run *run, ph_error *err);
 /** PH_EINVAL: cracks, and a constraint that solves no equations. */
 ph_status ph_i_run_check_analytic(const ph_run *run, ph_error *err);
+/** The relative residual that the problem asks for. */
+double ph_i_run_tolerance(const ph_run *run);
+/** The solver that a prepared run takes; refuses what no solver can. */
+ph_status ph_i_run_choose_solver(ph_run *run, ph_solver_choice *out, ph_error *err);
+/** PH_EINVAL where a route that has no other is to be solved in single precision. */
+ph_status ph_i_run_in_double(const ph_run *run, const char *route, ph_error *err);
 /** The operator and its solver. */
 ph_status ph_i_run_build(ph_run *run, ph_error *err);
 /** All of these for phases that relax, with the choices of `reduced`: `auto` sees the

@@ -241,6 +241,7 @@ static ph_status with_equations(ph_visco *v, ph_error *err)
     PH_TRY(phases_at(v, r->map, INFINITY, err));
     v->softness = r->map->softest = ph_i_visco_softness(&v->phase[v->soft]);
     PH_TRY(ph_i_run_build(r, err));
+    PH_TRY(ph_i_run_in_double(r, "reduced", err));
     PH_TRY(ph_i_operator_in_space(r->op, err));
     v->nfunctions = v->split.nfunctions;
     if (r->op->springs) {

@@ -19,6 +19,7 @@ static const struct {
     {PH_SETTING_HORIZON, "model", "horizon"},
     {PH_SETTING_MODEL, "model", "kind"},
     {PH_SETTING_TOLERANCE, "solver", "tolerance"},
+    {PH_SETTING_PRECISION, "solver", "precision"},
 };
 enum { SETTINGS = sizeof settings / sizeof *settings };
 

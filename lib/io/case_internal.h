@@ -138,6 +138,7 @@ extern const ph_i_names ph_i_micromodulus_names;
 extern const ph_i_names ph_i_calibration_names; /* in the order of ph_calibration */
 extern const ph_i_names ph_i_constraint_names;
 extern const ph_i_names ph_i_solver_names;
+extern const ph_i_names ph_i_precision_names;
 extern const ph_i_names ph_i_interface_names; /* in the order of ph_interface */
 extern const ph_i_names ph_i_plane_names;     /* generalised_strain, strain, stress */
 extern const ph_i_names ph_i_raw_type_names;

@@ -197,6 +197,8 @@ static json_t *solver_to_json(const ph_solver_params *s, bool *good)
                   good);
     ph_i_json_set(map, "max_iterations",
                   json_integer(s->max_iterations > 0 ? s->max_iterations : 2000), good);
+    ph_i_json_set(map, "precision", json_string(s->precision ? s->precision : "double"),
+                  good);
     return map;
 }
 

@@ -11,7 +11,8 @@ static const char *const horizon_keys[] = {"length"};
 static const char *const power_law_keys[] = {"power_law"};
 static const char *const stabilisation_keys[] = {"spectral", "subpoint"};
 static const char *const constraint_keys[] = {"kind", "collar"};
-static const char *const solver_keys[] = {"kind", "tolerance", "max_iterations"};
+static const char *const solver_keys[] = {"kind", "tolerance", "max_iterations",
+                                          "precision"};
 
 static void read_kind(ph_i_reader *r, const ph_i_node *node, ph_model_params *model)
 {
@@ -199,8 +200,8 @@ void ph_i_read_solver(ph_i_reader *r, const ph_i_node *node)
     const ph_i_node *child;
     int64_t iterations = 2000;
     int i;
-    *solver =
-        (ph_solver_params){.kind = "auto", .tolerance = 1e-6, .max_iterations = 2000};
+    *solver = (ph_solver_params){
+        .kind = "auto", .tolerance = 1e-6, .max_iterations = 2000, .precision = "double"};
     if (!node || !ph_i_read_map(r, node, "must be a map such as {tolerance: 1e-6}"))
         return;
     ph_i_check_keys(r, node, (ph_i_names)PH_I_NAMES(solver_keys), "solver");
@@ -214,4 +215,12 @@ void ph_i_read_solver(ph_i_reader *r, const ph_i_node *node)
         ph_i_read_integer(r, child, 1, 1000000000, "must be an integer from 1 to 1e9",
                           &iterations);
     solver->max_iterations = (int)iterations;
+    if ((child = ph_i_get(node, "precision")) &&
+        (i = ph_i_read_name(r, child, ph_i_precision_names)) >= 0)
+        solver->precision = ph_i_precision_names.name[i];
+    bool floats =
+        strcmp(solver->kind, "auto") == 0 || strcmp(solver->kind, "fft_cg") == 0;
+    if (strcmp(solver->precision, "single") == 0 && !floats)
+        ph_i_reject(r, child, PH_EINVAL, "of the solvers fft_cg alone has it, not %s",
+                    solver->kind);
 }

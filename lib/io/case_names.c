@@ -12,8 +12,8 @@ static const char *const calibrations[] = {"lattice", "gamma", "continuum"};
 static const char *const weights[] = {"linear", "exact", "none"};
 static const char *const constraints[] = {"periodic", "linear_displacement",
                                           "uniform_traction", "voigt", "reuss"};
-static const char *const solvers[] = {"auto", "fft_cg", "direct", "relaxation",
-                                      "fft_cg_single"};
+static const char *const solvers[] = {"auto", "fft_cg", "direct", "relaxation"};
+static const char *const precisions[] = {"double", "single", "auto"};
 static const char *const interfaces[] = {"composite", "node_centre"};
 static const char *const planes[] = {"generalised_strain", "strain", "stress"};
 static const char *const raw_types[] = {"uint8", "uint16", "int32"};
@@ -34,6 +34,7 @@ const ph_i_names ph_i_calibration_names = PH_I_NAMES(calibrations);
 const ph_i_names ph_i_weight_names = PH_I_NAMES(weights);
 const ph_i_names ph_i_constraint_names = PH_I_NAMES(constraints);
 const ph_i_names ph_i_solver_names = PH_I_NAMES(solvers);
+const ph_i_names ph_i_precision_names = PH_I_NAMES(precisions);
 const ph_i_names ph_i_interface_names = PH_I_NAMES(interfaces);
 const ph_i_names ph_i_plane_names = PH_I_NAMES(planes);
 const ph_i_names ph_i_raw_type_names = PH_I_NAMES(raw_types);

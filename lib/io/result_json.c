@@ -431,6 +431,7 @@ static ph_status put_solver(draft_document *d, ph_error *err)
     PH_CHECK(loads && iterations && residual, PH_ENOMEM, "no memory for the solver");
     PH_TRY(section(d->root, "solver", &solver, err));
     PH_TRY(put_text(solver, "kind", r->solver, err));
+    PH_TRY(put_text(solver, "precision", r->precision, err));
     PH_TRY(put_text(solver, "route", r->route, err));
     for (int a = 0; a < r->stiffness.n; a++)
         if (r->solved >> a & 1u)

@@ -31,10 +31,16 @@ static double hourglass_coefficient(const ph_layout *l, double alpha, double sof
  * choice, and with it every bit of the result, does not depend on the load of the machine. */
 static const double ns_bond = 0.45, ns_transform = 4.5, ns_product = 1.3;
 
+bool ph_i_operator_by_cells(const ph_operator_params *p)
+{
+    return !p->classes && !p->one_sided && p->route != PH_ROUTE_BONDS &&
+           (!p->family || p->smallest);
+}
+
 static ph_route choose_route(const ph_layout *l, const ph_operator_params *p)
 {
+    if (ph_i_operator_by_cells(p)) return PH_ROUTE_CELLS;
     if (p->one_sided || p->route == PH_ROUTE_BONDS) return PH_ROUTE_BONDS;
-    if (!p->family || p->smallest) return PH_ROUTE_CELLS;
     if (p->route != PH_ROUTE_AUTO) return p->route;
     int strains = dimensions(l) == 3 ? 6 : l->ns == 6 ? 5 : 3;
     double stencil = ns_bond * l->nd * l->nd * (double)p->family->count;
@@ -193,7 +199,7 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     PH_TRY(ph_i_fft_new(&op->layout, op->threads, &op->fft, err));
     op->modes = ph_i_fft_modes(op->fft);
     size_t cells = (size_t)op->layout.cells, nd = (size_t)op->layout.nd;
-    op->nu = nd * (p->spectrum_in_u ? 2 * (size_t)op->modes : cells);
+    op->nu = nd * cells;
     if (p->classes) { /* a medium of springs */
         PH_DOUBLES(op->u, meter, op->nu, "a displacement field");
         PH_DOUBLES(op->f, meter, nd * cells, "a force field");
@@ -241,6 +247,17 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
     op = NULL;
 out:
     ph_i_operator_free(&op);
+    return st;
+}
+
+ph_status ph_i_operator_widen(ph_operator *op, size_t count, ph_error *err)
+{
+    ph_status st = PH_OK;
+    if (op->nu >= count) return PH_OK;
+    ph_i_doubles_free(op->meter, &op->u, op->nu);
+    op->nu = count;
+    PH_DOUBLES(op->u, op->meter, op->nu, "a displacement field");
+out:
     return st;
 }
 

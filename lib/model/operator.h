@@ -53,6 +53,10 @@ ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,
                             const ph_operator_params *params, ph_meter *meter,
                             ph_operator **out, ph_error *err);
 void ph_i_operator_free(ph_operator **out);
+/** Do the points of such an operator see only their own cell? */
+bool ph_i_operator_by_cells(const ph_operator_params *params);
+/** Room for at least `count` doubles in u, whose contents are lost. @return PH_OK; PH_ENOMEM */
+ph_status ph_i_operator_widen(ph_operator *op, size_t count, ph_error *err);
 
 /** Multiply the coefficient of (S) that the operator was made with. @param factor >= 0 */
 void ph_i_operator_stabilise(ph_operator *op, double factor);

@@ -29,7 +29,6 @@ typedef struct ph_operator_params {
     ptrdiff_t rve[3]; /* cells of the box; bonds route only */
     const ph_bond_classes *classes; /* model bond: a spring for every bond; else NULL */
     bool cut_only; /* bond lists: the points of cut cells alone, without stabilisation */
-    bool spectrum_in_u;      /* u has room for a transformed field */
     const ph_broken *broken; /* bonds that are broken, or NULL: none ever */
     int threads;
 } ph_operator_params;

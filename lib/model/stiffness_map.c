@@ -121,6 +121,7 @@ static void measure(ph_stiffness_map *map, const ph_sym4 *phase, const bool *use
         if (trace > stiffest) stiffest = trace, stiff = p;
     }
     map->contrast = soft < 0 ? 1.0 : fmax(low_max / low_min, high_max / high_min);
+    map->spread = soft < 0 ? 1.0 : high_max / low_min;
     map->least_contrast = soft < 0 ? 1.0 : low_max / low_min;
     map->softest = soft < 0 ? 0.0 : softest;
     if (soft >= 0) map->middle = ph_sym4_combine(0.5, &phase[soft], 0.5, &phase[stiff]);

@@ -21,6 +21,7 @@ typedef struct ph_stiffness_map {
     bool *used;      /* [materials] is it anywhere? */
     bool has_void;
     double contrast; /* of the phases; 1: homogeneous; voids not counted */
+    double spread;   /* largest over smallest eigenvalue of all phases but voids */
     double
         least_contrast; /* of their smallest eigenvalues: what is soft or rigid, not what
                             * is only nearly incompressible */

@@ -48,9 +48,11 @@ typedef struct ph_model_params {
 
 /** How the equations are solved. Zeroed: all defaults. */
 typedef struct ph_solver_params {
-    const char *kind;   /* in ph_solvers[]; NULL or "auto" */
-    double tolerance;   /* relative residual; 0: 1e-6 */
-    int max_iterations; /* 0: 2000 */
+    const char *kind;      /* in ph_solvers[]; NULL or "auto" */
+    double tolerance;      /* relative residual; 0: 1e-6 */
+    int max_iterations;    /* 0: 2000 */
+    const char *precision; /* of the iterates: "double" (NULL), "single" or "auto", as in
+                            * `perihom list precisions`; docs/theory/solvers.md */
 } ph_solver_params;
 
 /** Where linear_displacement has its boundary volume, two horizons thick. */
@@ -140,6 +142,7 @@ typedef struct ph_result {
     double *fractions;
 
     const char *model, *constraint, *solver; /* catalogue names */
+    const char *precision; /* of the solver's iterates: "double" or "single" */
     ph_points points;
     double horizon; /* length */
     ph_stabilisation stabilisation;

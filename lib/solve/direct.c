@@ -376,9 +376,9 @@ static double entries(const ph_system *system)
 {
     const ph_grid *g = &system->setting->box;
     const ph_family *fam = system->params->family;
-    int nd = system->op->layout.nd;
+    int nd = ph_displacements(g->kinematics);
     double row = 0.5 * nd * nd;
-    if (system->op->springs) /* a node couples with its family alone */
+    if (system->params->classes) /* a node couples with its family alone */
         return row * (double)ph_grid_cells(g) * (double)(fam->count + 1);
     for (int d = 0; d < 3; d++) {
         double span = !fam || system->params->smallest ? 3.0 : 4.0 * fam->reach[d] + 1.0;

@@ -11,7 +11,7 @@
 
 /* What a solution in floats is good for; below it the residual is refined. Measured:
  * docs/theory/solvers.md. */
-static const double single_limit = 1e-5;
+static const double single_limit = PH_SINGLE_LIMIT;
 /* A correction lowers the residual by so much, or to the tolerance. */
 static const double correction = 1e-4;
 enum { CORRECTIONS = 12 };
@@ -28,7 +28,6 @@ typedef struct single {
     double *green_doubles;
     size_t green_size; /* doubles that are left of it */
     double *pair;      /* room of two half spectra where the operator has none, or NULL */
-    double *direction; /* half a spectrum where op->u has no room, or NULL */
     double *sum, *wanted; /* refinement: the solution, the load [nd][cells]; or NULL */
     float *x, *r, *p, *q; /* half spectra */
     float *u, *f;         /* fields */
@@ -150,7 +149,7 @@ const char *ph_i_fft_cg_single_refuses(const ph_system *system)
 {
     if (system->setting->fixed || system->setting->source || system->one_sided)
         return "it takes constraint periodic";
-    if (!system->op->has_cells)
+    if (!ph_i_operator_by_cells(system->params))
         return "it takes points stress with their smallest family, or model local";
     return NULL;
 }
@@ -161,7 +160,6 @@ void ph_i_fft_cg_single_free(void **state)
     if (!s) return;
     ph_i_doubles_free(s->meter, &s->green_doubles, s->green_size);
     ph_i_doubles_free(s->meter, &s->pair, vector_size(s));
-    ph_i_doubles_free(s->meter, &s->direction, vector_size(s) / 2);
     ph_i_doubles_free(s->meter, &s->sum, field_size(s));
     ph_i_doubles_free(s->meter, &s->wanted, field_size(s));
     ph_i_fft_free_single(&s->fft);
@@ -222,12 +220,11 @@ ph_status ph_i_fft_cg_single_init(const ph_system *system, void **state, ph_erro
     if (!s->op->hat)
         PH_DOUBLES(s->pair, s->meter, vector_size(s), "two transformed fields");
     PH_TRY(round_green(s, system, err));
-    bool room = s->op->nu >= vector_size(s);
-    if (!room) PH_DOUBLES(s->direction, s->meter, vector_size(s) / 2, "the direction");
+    PH_TRY(ph_i_operator_widen(s->op, vector_size(s), err)); /* as doubles, room of two */
     s->r = (float *)(s->op->hat ? s->op->hat : s->pair);
     s->q = s->r + vector_size(s);
-    s->x = (float *)s->op->u; /* as doubles, room of two */
-    s->p = room ? s->x + vector_size(s) : (float *)s->direction;
+    s->x = (float *)s->op->u;
+    s->p = s->x + vector_size(s);
     s->u = (float *)s->op->f;
     s->f = s->u + field_size(s);
     *state = self;

@@ -11,15 +11,17 @@
 typedef struct ph_system {
     ph_operator *op;
     const ph_setting *setting;
-    const ph_operator_params *params; /* what `op` was made of */
+    const ph_operator_params *params; /* what `op` is made of */
+    const ph_stiffness_map *map;
     ph_meter *meter;
     bool one_sided; /* families end at the faces of the RVE */
+    bool relaxes;   /* phases relax: solved many times */
 } ph_system;
 
 typedef struct ph_solver_method {
     ph_entry info;
     bool keeps_matrix; /* init looks at the entries: again when bonds have broken */
-    /* NULL, or why this solver cannot take this system */
+    /* NULL, or why this solver cannot take this system, whose `op` need not be there */
     const char *(*refuses)(const ph_system *system);
     ph_status (*init)(const ph_system *system, void **state, ph_error *err);
     /* A u = load on the free nodes, u = 0 on the others; real space [nd][cells]. `load` may
@@ -32,6 +34,7 @@ typedef struct ph_solver_method {
     /* Take in the bonds of system->params->broken that broke since `init` or the last call;
      * *done: false, init is to be called instead. NULL: always init. */
     ph_status (*broke)(void *state, bool *done, ph_error *err);
+    const struct ph_solver_method *single; /* the same in single precision, or NULL */
 } ph_solver_method;
 
 extern const ph_solver_method ph_solvers[];
@@ -62,9 +65,24 @@ void ph_i_fft_cg_parts(void *state, ph_linear *system, double *vector[4]);
 void ph_i_fft_cg_enter(void *state, const double *load, double *r);
 void ph_i_fft_cg_leave(void *state, const double *x, double *work, double *u);
 
-/** The solver called `name`, or the one that `auto` (NULL) takes, with the reason in
- *  `why` [256]. NULL for an unknown name. */
-const ph_solver_method *ph_i_solver_find(const char *name, const ph_system *system,
-                                         char *why);
+/** Residuals below this are refined in double: docs/theory/solvers.md. */
+#define PH_SINGLE_LIMIT 1e-5
+
+extern const ph_entry ph_precisions[]; /* double, single, auto */
+extern const size_t ph_nprecisions;
+
+/** Which solver takes a system, in which precision, and why `auto` said so, or "". */
+typedef struct ph_solver_choice {
+    const ph_solver_method *method;
+    const char *precision;
+    char why[2][256]; /* of the solver, of the precision */
+} ph_solver_choice;
+
+/** The solver that `params` name, or that `auto` takes; the operator need not be there.
+ *  @return PH_OK; PH_EINVAL: unknown names, or that solver or precision cannot take it */
+ph_status ph_i_solver_choose(const ph_solver_params *params, const ph_system *system,
+                             ph_solver_choice *out, ph_error *err);
+/** The solver called `name`, in double, or NULL. */
+const ph_solver_method *ph_i_solver_find(const char *name);
 
 #endif

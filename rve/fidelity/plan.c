@@ -173,6 +173,9 @@ static void choose_rest(const ph_case *c, ph_fidelity_plan *p)
         ph_i_fidelity_say(p, "tolerance %.1g: the energy is off by its square%s",
                           p->tolerance, high ? ", contrast above 1000" : "");
     }
+    if (!(c->accuracy.given & PH_SETTING_PRECISION))
+        ph_i_fidelity_say(p, "precision auto: single where it was measured to take less "
+                             "time and memory; the result says which");
     if (!(c->accuracy.given & (PH_SETTING_POINTS | PH_SETTING_MODEL)))
         ph_i_fidelity_say(p,
                           "stress points: the error of nodes, half of finite elements'");

@@ -68,6 +68,7 @@ static ph_case with_settings(const search *s, ptrdiff_t n)
     ph_case mine = *s->c; /* borrows the arrays */
     mine.nconstants = 0;  /* the whole tensor: it is combined with another one */
     mine.solver.tolerance = s->f->tolerance;
+    if (!(s->c->accuracy.given & PH_SETTING_PRECISION)) mine.solver.precision = "auto";
     if (!s->f->plan.fixed || n != ph_i_fidelity_longest(s->c->nodes))
         ph_i_fidelity_grid(s->c, n, mine.nodes);
     return mine;

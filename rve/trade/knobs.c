@@ -43,6 +43,13 @@ static const char *rve_refuses(const ph_case *c)
                : "nothing of the microstructure is random";
 }
 
+static const char *precision_refuses(const ph_case *c)
+{
+    if (has_model(c, "bond") || c->ncracks > 0) return "bonds have no single precision";
+    const char *kind = c->constraint.kind ? c->constraint.kind : "periodic";
+    return strcmp(kind, "periodic") == 0 ? NULL : "single precision is periodic";
+}
+
 /* One setting a line; a semicolon between the overrides of one. */
 static const char *const points[] = {"model.points=nodes", "model.points=stress", NULL};
 static const char *const horizon[] = {
@@ -67,6 +74,11 @@ static const char *const stabilisation[] = {"model.stabilisation=none",
 static const char *const tolerance[] = {"solver.tolerance=1e-2", "solver.tolerance=1e-3",
                                         "solver.tolerance=1e-4", "solver.tolerance=1e-6",
                                         "solver.tolerance=1e-8", NULL};
+static const char *const precision[] = {
+    "model.points=stress;solver.precision=double",
+    "model.points=stress;solver.precision=single",
+    "model.points=stress;solver.precision=double;solver.tolerance=1e-4",
+    "model.points=stress;solver.precision=single;solver.tolerance=1e-4", NULL};
 static const char *const model[] = {"model.kind=nosb", "model.kind=local",
                                     "model.kind=bond", NULL};
 static const char *const crack_tips[] = {"model.crack_tips=0", "model.crack_tips=0.42",
@@ -111,6 +123,11 @@ const ph_knob ph_knobs[] = {
      "solver.tolerance",
      tolerance,
      always},
+    {{"precision", "of the numbers that the solver iterates with", "",
+      "periodic, stress points or model local"},
+     "solver.precision",
+     precision,
+     precision_refuses},
     {{"crack_tips", "what cracks seem too long on the lattice", "", "cracks"},
      "model.crack_tips",
      crack_tips,

@@ -13,7 +13,8 @@
  *   point:10                       the material point with so many terms, n = 6
  *   damage:20                      the same with a damage law of so many segments
  *   stepping:V29:64                a thousand steps over twelve decades, all loads, beside it
- *   precision:32                   fft_cg_single beside fft_cg: error, CPU time, bytes by contrast and tolerance
+ *   precision_errors:16            single precision beside double: errors by contrast and tolerance
+ *   precision:SC:64:10:5           the same at contrast 10: least CPU time of 5 pairs, bytes (SC or P2)
  *
  * Prints one JSON object a line. Times are CPU seconds of the process, the least of several
  * runs, unless called wall. Ratios are of two runs in the same minute. */
@@ -633,16 +634,20 @@ static void bench_point(const char *kind, int size_of_law)
     ph_point_material_free(&point);
 }
 
-/* fft_cg and fft_cg_single on spheres of one contrast: error against 1e-11, CPU seconds and
- * bytes of the solution, by tolerance. */
-static ph_result *solved(ph_problem *p, const char *kind, double tolerance, double *cpu)
+/* ---- single precision beside double -------------------------------------------------- */
+
+static ph_result *solved(ph_problem *p, const char *precision, double tolerance,
+                         double *cpu)
 {
     ph_error err = PH_ERROR_INIT;
     ph_result *res = NULL;
-    p->solver = (ph_solver_params){.kind = kind, .tolerance = tolerance};
+    p->solver = (ph_solver_params){.kind = "fft_cg",
+                                   .precision = precision,
+                                   .tolerance = tolerance,
+                                   .max_iterations = 20000};
     double start = clock_of(CLOCK_PROCESS_CPUTIME_ID);
     if (ph_homogenise(p, &(ph_ctx){.threads = 1}, &res, &err) != PH_OK)
-        fprintf(stderr, "%s %g: %s\n", kind, tolerance, err.msg);
+        fprintf(stderr, "%s %g: %s\n", precision, tolerance, err.msg);
     *cpu = clock_of(CLOCK_PROCESS_CPUTIME_ID) - start;
     if (res && !res->converged) ph_result_free(&res);
     return res;
@@ -650,33 +655,53 @@ static ph_result *solved(ph_problem *p, const char *kind, double tolerance, doub
 
 static double apart(const ph_result *a, const ph_result *b)
 {
+    if (!a || !b) return (double)NAN;
     ph_sym4 d = ph_sym4_combine(1.0, &a->stiffness, -1.0, &b->stiffness);
     return ph_sym4_norm(&d) / ph_sym4_norm(&b->stiffness);
 }
 
-static void bench_precision(int n)
+/* Fibres of P2 or spheres of SC, cut cells, one contrast; 0: void. */
+static scene scene_of_contrast(bool space, int n, double contrast)
 {
-    for (int e = 0; e <= 4; e++) {
-        ph_error err = PH_ERROR_INIT;
-        scene s = scene_seeded("SC", n, "nosb", false, 0);
-        double E = e == 0 ? 2.0 : pow(10.0, e), cpu, once;
-        if (ph_material_isotropic("f", E, 0.3, &s.micro->materials[1], &err))
-            die("precision", &err);
-        ph_result *exact = solved(&s.problem, "fft_cg", 1e-11, &cpu);
-        for (int t = 2; exact && t <= 10; t += 2) {
-            double tolerance = pow(10.0, -t);
-            ph_result *two = solved(&s.problem, "fft_cg", tolerance, &cpu);
-            ph_result *one = solved(&s.problem, "fft_cg_single", tolerance, &once);
-            printf("{\"bench\": \"precision\", \"n\": %d, \"contrast\": %g, "
-                   "\"tolerance\": %g, \"error_double\": %.2g, \"error_single\": %.2g, "
-                   "\"iterations_double\": %ld, \"iterations_single\": %ld, "
-                   "\"cpu_ratio\": %.2f, \"bytes_ratio\": %.2f}\n",
-                   n, E, tolerance, two ? apart(two, exact) : (double)NAN,
-                   one ? apart(one, exact) : (double)NAN, two ? two->work.iterations : -1,
-                   one ? one->work.iterations : -1, once / cpu,
-                   one && two
-                       ? (double)one->work.peak_bytes / (double)two->work.peak_bytes
-                       : (double)NAN);
+    ph_error err = PH_ERROR_INIT;
+    scene s = scene_new(space ? "SC" : "P2", n, "nosb", false);
+    ph_material *m = s.micro->materials;
+    if (ph_material_isotropic("m", 1.0, 0.3, &m[0], &err)) die("precision", &err);
+    if (contrast == 0.0)
+        m[1] = ph_material_void("f");
+    else if (ph_material_isotropic("f", contrast, 0.3, &m[1], &err))
+        die("precision", &err);
+    return s;
+}
+
+/* A number of JSON, which knows no NaN. */
+static void put_number(const char *key, double x)
+{
+    if (isnan(x))
+        printf(", \"%s\": null", key);
+    else
+        printf(", \"%s\": %.2g", key, x);
+}
+
+/* Errors of the tensor against 1e-11, by contrast (0: void) and tolerance. */
+static void bench_precision_errors(int n)
+{
+    static const double contrast[] = {1, 10, 100, 1e3, 1e4, 1e5, 1e6, 0.01, 1e-4, 0};
+    for (size_t e = 0; e < sizeof contrast / sizeof *contrast; e++) {
+        scene s = scene_of_contrast(true, n, contrast[e]);
+        double cpu;
+        ph_result *exact = solved(&s.problem, "double", 1e-11, &cpu);
+        for (int t = 2; exact && t <= 10; t += t == 4 || t == 5 ? 1 : 2) {
+            double tolerance = t == 5 ? 1e-5 : pow(10.0, -t);
+            ph_result *two = solved(&s.problem, "double", tolerance, &cpu);
+            ph_result *one = solved(&s.problem, "single", tolerance, &cpu);
+            printf("{\"bench\": \"precision_errors\", \"problem\": \"SC\", \"n\": %d, "
+                   "\"contrast\": %g, \"tolerance\": %g",
+                   n, contrast[e], tolerance);
+            put_number("error_double", apart(two, exact));
+            put_number("error_single", apart(one, exact));
+            printf(", \"iterations_double\": %ld, \"iterations_single\": %ld}\n",
+                   two ? two->work.iterations : -1, one ? one->work.iterations : -1);
             fflush(stdout);
             ph_result_free(&two);
             ph_result_free(&one);
@@ -684,6 +709,32 @@ static void bench_precision(int n)
         ph_result_free(&exact);
         scene_free(&s);
     }
+}
+
+/* CPU seconds, the least of some alternating pairs, and bytes, by tolerance. */
+static void bench_precision(bool space, int n, double contrast, int pairs)
+{
+    static const double tolerance[] = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8};
+    static const char *const name[2] = {"double", "single"};
+    scene s = scene_of_contrast(space, n, contrast);
+    for (size_t t = 0; t < sizeof tolerance / sizeof *tolerance; t++) {
+        double least[2] = {INFINITY, INFINITY}, cpu;
+        double bytes[2] = {NAN, NAN};
+        for (int i = 0; i < 2 * pairs; i++) {
+            ph_result *res = solved(&s.problem, name[i % 2], tolerance[t], &cpu);
+            least[i % 2] = fmin(least[i % 2], cpu);
+            if (res) bytes[i % 2] = (double)res->work.peak_bytes;
+            ph_result_free(&res);
+        }
+        printf("{\"bench\": \"precision\", \"problem\": \"%s\", \"n\": %d, \"contrast\": "
+               "%g, \"tolerance\": %g, \"cpu\": %.4g, \"cpu_single\": %.4g, "
+               "\"cpu_ratio\": %.3f, \"bytes_per_node\": %.4g, \"bytes_ratio\": %.3f}\n",
+               space ? "SC" : "P2", n, contrast, tolerance[t], least[0], least[1],
+               least[1] / least[0], bytes[0] / pow(n, space ? 3 : 2),
+               bytes[1] / bytes[0]);
+        fflush(stdout);
+    }
+    scene_free(&s);
 }
 
 static int run(const char *word)
@@ -702,8 +753,11 @@ static int run(const char *word)
         bench_failure(name, size, strcmp(model, "every_event") == 0);
     else if (sscanf(word, "clay:%d", &size) == 1)
         bench_clay(size);
-    else if (sscanf(word, "precision:%d", &size) == 1)
-        bench_precision(size);
+    else if (sscanf(word, "precision_errors:%d", &size) == 1)
+        bench_precision_errors(size);
+    else if (sscanf(word, "precision:%31[^:]:%d:%lf:%d", name, &size, &horizon, &count) ==
+             4)
+        bench_precision(strcmp(name, "SC") == 0, size, horizon, count);
     else if (sscanf(word, "stepping:%31[^:]:%d", name, &size) == 2)
         bench_stepping(name, size);
     else if (sscanf(word, "relax:%31[^:]:%d", name, &size) == 2)

@@ -108,3 +108,14 @@ $ perihom run relaxing.yaml --set viscoelastic.route=frequency --set 'viscoelast
 $ perihom run relaxing.yaml --set viscoelastic.route=frequency --set 'materials.matrix={nu: 0.38, E: {infinity: 0, terms: [{modulus: 17, time: 1}]}}' --set 'viscoelastic.frequencies=[1e-8]' --set viscoelastic.tolerance=1e-4 -q -o drowned 2> said; echo $?; grep -c 'frequency 1e-08: .*ask for a lower solver.tolerance' said; test ! -e drowned/result.json
 > 4
 > 1
+
+# Single precision is that of solves to a residual: not of reduced, which bounds energies.
+$ perihom run relaxing.yaml --set solver.precision=single --set model.points=stress -o single
+! perihom: error: precision single cannot take route reduced, which is solved in double: take carson or stepping, or precision double
+? 3
+
+$ perihom run relaxing.yaml --set solver.precision=single --set model.points=stress --set viscoelastic.route=frequency --set 'viscoelastic.frequencies=[1]' -o single 2>&1 | tail -n 1
+> perihom: error: precision single cannot take route frequency, *
+
+$ perihom run relaxing.yaml --set solver.precision=single --set model.points=stress --set viscoelastic.route=carson --json -q -o single 2> said | json_get solver.precision
+> "single"

@@ -188,3 +188,26 @@ $ perihom run cracked.yaml -q -o whole --set sequence=null --set 'failure={matri
 $ perihom run cracked.yaml -q -o torn --set 'cracks=[]' --set sequence=null --set 'failure={matrix: {critical_stretch: 0.01}}' --set 'loading={strain: [1, 1, 0], to: 100, steps: 2, break: together}' | grep -o -e 'asymmetry [^,]*' -e 'note  *the damage law.*'
 > asymmetry 0.0e+00
 > note        the damage law has 2 knots: loading.stiffness_every: 1 records every step
+
+# Precision: used as asked, said in the document; what has no single is refused before a solve.
+$ perihom run small.yaml -q --json --set model.points=stress --set solver.precision=single -o floats > floats.json; json_get solver.kind < floats.json; json_get solver.precision < floats.json; json_get case.solver.precision < floats.json
+> "fft_cg"
+> "single"
+> "single"
+
+$ perihom run small.yaml --set model.points=nodes --set solver.precision=single -o never
+! perihom: error: precision single cannot take this case: it takes points stress with their smallest family, or model local
+? 3
+
+$ perihom check small.yaml --set model.points=nodes --set solver.precision=single
+! perihom: error: precision single cannot take this case: *
+? 3
+
+$ perihom check small.yaml --set solver.precision=auto --set model.points=stress | grep precision
+>   precision: "auto"
+> # precision: double (below a tolerance of 1e-5 floats are refined, and not faster)
+
+$ perihom list precisions | grep -v ' valid:\| ref:'
+> double * 53 bits
+> single * 24 bits, *
+> auto * single where *

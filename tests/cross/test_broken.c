@@ -202,12 +202,10 @@ static void half_broken(void **state)
     c.params.broken = broken;
     CHECK_OK(ph_i_operator_new(&c.micro->grid, c.map, &c.params, &c.meter, &op, &err));
     for (int k = 0; op && k < 2; k++) {
-        char why[256];
         void *state_of = NULL;
         ph_system system = {
             .op = op, .setting = &setting, .params = &c.params, .meter = &c.meter};
-        const ph_solver_method *solver =
-            ph_i_solver_find(k ? "direct" : "fft_cg", &system, why);
+        const ph_solver_method *solver = ph_i_solver_find(k ? "direct" : "fft_cg");
         ph_cg_report report = {.tolerance = 1e-9, .max_iterations = 2000};
         CHECK_OK(solver->init(&system, &state_of, &err));
         ph_i_operator_load(op, unit, op->f);

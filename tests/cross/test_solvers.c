@@ -121,11 +121,15 @@ static bool cut_at_faces(const combination *k)
            (k->model.points == PH_POINTS_NODES || k->model.horizon > 0.0);
 }
 
-/* fft_cg_single: periodic cells whose points see only their own. */
 static bool takes(const combination *k, const char *solver)
 {
-    if (strcmp(solver, "fft_cg") == 0) return !cut_at_faces(k);
-    if (strcmp(solver, "fft_cg_single") != 0) return true;
+    return strcmp(solver, "fft_cg") != 0 || !cut_at_faces(k);
+}
+
+/* Single precision: periodic cells whose points see only their own. */
+static bool takes_floats(const combination *k, const char *solver)
+{
+    if (strcmp(solver, "fft_cg") != 0) return false;
     bool local = k->model.kind && strcmp(k->model.kind, "local") == 0;
     return strcmp(k->constraint, "periodic") == 0 &&
            (local || (!k->model.kind && k->model.points == PH_POINTS_STRESS &&
@@ -133,17 +137,19 @@ static bool takes(const combination *k, const char *solver)
 }
 
 static ph_result *solve(const combination *k, const ph_microstructure *micro,
-                        const char *solver, int threads, double tolerance, bool quick)
+                        const char *solver, const char *precision, double tolerance,
+                        bool quick)
 {
     ph_error err = PH_ERROR_INIT;
-    ph_ctx ctx = {.threads = threads};
+    ph_ctx ctx = {.threads = 1};
     ph_result *res = NULL;
-    ph_problem p = {.micro = micro,
-                    .model = k->model,
-                    .constraint = {.kind = k->constraint},
-                    .solver = {.kind = solver, .tolerance = tolerance},
-                    .loads = quick ? 1u : 0u,
-                    .keep_fields = quick};
+    ph_problem p = {
+        .micro = micro,
+        .model = k->model,
+        .constraint = {.kind = k->constraint},
+        .solver = {.kind = solver, .tolerance = tolerance, .precision = precision},
+        .loads = quick ? 1u : 0u,
+        .keep_fields = quick};
     int before = check_failures;
     CHECK_OK(ph_homogenise(&p, &ctx, &res, &err));
     if (check_failures > before)
@@ -163,16 +169,19 @@ static void solvers_agree(void **state)
     for (int i = 0; i < COMBINATIONS; i++) {
         const combination *k = &combinations[i];
         ph_microstructure *micro = random_micro(&seed, k->kin, k->n, k->voids);
-        ph_result *direct = solve(k, micro, "direct", 1, 1e-9, false);
-        for (size_t m = 0; direct && m < ph_nsolvers; m++) {
-            const char *name = ph_solvers[m].info.name;
+        ph_result *direct = solve(k, micro, "direct", NULL, 1e-9, false);
+        for (size_t m = 0; direct && m < 2 * ph_nsolvers; m++) {
+            const char *name = ph_solvers[m / 2].info.name,
+                       *precision = m % 2 ? "single" : "double";
             CHECK((strcmp(direct->route, "bonds") == 0) == cut_at_faces(k));
             if (strcmp(name, "direct") == 0 || !takes(k, name)) continue;
-            ph_result *other = solve(k, micro, name, 1, 1e-8, false);
+            if (m % 2 && !takes_floats(k, name)) continue;
+            ph_result *other = solve(k, micro, name, precision, 1e-8, false);
             if (!other) continue;
             double d = difference(&other->stiffness, &direct->stiffness);
             if (!(d < same))
-                print_error("  ... %s, %s, %s\n", k->what, k->constraint, name);
+                print_error("  ... %s, %s, %s, %s\n", k->what, k->constraint, name,
+                            precision);
             CHECK_ABS(d, 0.0, same);
             CHECK_ABS(other->hill_mandel, 0.0, 1e-6);
             ph_result_free(&other);
@@ -257,15 +266,18 @@ static void threads_change_nothing(void **state)
         ptrdiff_t n = displacements(&c);
         double *one = random_field(&seed, n), *many = random_field(&seed, n);
         c.params.route = k->route;
-        for (size_t m = 0; m < ph_nsolvers; m++) {
-            solve_with(&c, &ph_solvers[m], 1, one);
+        for (size_t m = 0; m < 2 * ph_nsolvers; m++) {
+            const ph_solver_method *solver = &ph_solvers[m / 2];
+            if (m % 2) solver = solver->single;
+            if (!solver) continue;
+            solve_with(&c, solver, 1, one);
             for (int t = 2; t <= 3; t++) {
-                solve_with(&c, &ph_solvers[m], t, many);
+                solve_with(&c, solver, t, many);
                 bool same_bits = memcmp(one, many, sizeof *one * (size_t)n) == 0;
                 CHECK(same_bits);
                 if (!same_bits)
-                    print_error("  ... case %zu, %s, %d threads\n", i,
-                                ph_solvers[m].info.name, t);
+                    print_error("  ... case %zu, %s, %d threads\n", i, solver->info.title,
+                                t);
             }
         }
         free(one), free(many);
@@ -282,7 +294,7 @@ static void automatic(void **state)
     for (int i = 0; i < COMBINATIONS; i++) {
         const combination *k = &combinations[i];
         ph_microstructure *micro = random_micro(&seed, k->kin, k->n, k->voids);
-        ph_result *res = solve(k, micro, NULL, 1, 1e-3, true);
+        ph_result *res = solve(k, micro, NULL, NULL, 1e-3, true);
         if (res) CHECK(strcmp(res->solver, cut_at_faces(k) ? "direct" : "fft_cg") == 0);
         bool said = false;
         for (int n = 0; res && n < res->nnotes; n++)
@@ -299,7 +311,7 @@ static void automatic(void **state)
         {.points = PH_POINTS_STRESS, .stabilisation = PH_STABILISE_SPECTRAL},
         "periodic"};
     ph_microstructure *micro = random_micro(&seed, voids.kin, voids.n, true);
-    ph_result *res = solve(&voids, micro, NULL, 1, 1e-6, false);
+    ph_result *res = solve(&voids, micro, NULL, NULL, 1e-6, false);
     if (res) CHECK(strcmp(res->solver, "direct") == 0);
     ph_result_free(&res);
     ph_microstructure_free(&micro);
@@ -331,8 +343,8 @@ static void floating_piece(void **state)
                      true,
                      {.points = PH_POINTS_STRESS, .stabilisation = PH_STABILISE_SUBPOINT},
                      "periodic"};
-    ph_result *cg = solve(&k, micro, "fft_cg", 1, 1e-9, false);
-    ph_result *direct = solve(&k, micro, "direct", 1, 1e-9, false);
+    ph_result *cg = solve(&k, micro, "fft_cg", NULL, 1e-9, false);
+    ph_result *direct = solve(&k, micro, "direct", NULL, 1e-9, false);
     if (cg && direct)
         CHECK_ABS(difference(&direct->stiffness, &cg->stiffness), 0.0, 1e-8);
     ph_result_free(&cg);
@@ -355,13 +367,18 @@ static void failures(void **state)
     uint64_t seed = check_seed();
     ptrdiff_t n[3] = {12, 12, 1};
     ph_microstructure *micro = random_micro(&seed, PH_PLANE_STRAIN, n, false);
-    for (size_t m = 0; m < ph_nsolvers; m++) {
-        const char *name = ph_solvers[m].info.name;
+    for (size_t m = 0; m < 2 * ph_nsolvers; m++) {
+        const char *name = ph_solvers[m / 2].info.name;
+        if (m % 2 && !ph_solvers[m / 2].single) continue;
         int calls = 0;
         ph_ctx ctx = {stop_at_once, &calls, 1};
         ph_error err = PH_ERROR_INIT;
         ph_result *res = NULL;
-        ph_problem p = {.micro = micro, .solver = {.kind = name, .tolerance = 1e-9}};
+        ph_problem p = {.micro = micro,
+                        .model = {.points = PH_POINTS_STRESS},
+                        .solver = {.kind = name,
+                                   .tolerance = 1e-9,
+                                   .precision = m % 2 ? "single" : "double"}};
         CHECK(ph_homogenise(&p, &ctx, &res, &err) == PH_ECANCELLED);
         CHECK(calls == 1 && !res && strstr(err.msg, "interrupted"));
         if (strcmp(name, "direct") == 0) continue;

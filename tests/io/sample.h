@@ -142,6 +142,7 @@ static inline ph_result *sample_result(const ph_microstructure *micro, ph_points
     r->model = "nosb";
     r->constraint = "periodic";
     r->solver = "fft_cg";
+    r->precision = "single";
     r->route = "cells";
     r->points = points;
     r->horizon = 1.0 / 3;

@@ -107,6 +107,7 @@ static void test_defaults(void **state)
     CHECK_TEXT(c->constraint.kind, "periodic");
     CHECK_TEXT(c->solver.kind, "auto");
     CHECK(c->solver.tolerance == 1e-6 && c->solver.max_iterations == 2000);
+    CHECK_TEXT(c->solver.precision, "double");
     ph_case_free(&c);
     CHECK_END();
 }
@@ -226,7 +227,8 @@ static void test_model_and_below(void **state)
                        "        influence: inverse_square, weights: exact,\n"
                        "        stabilisation: {subpoint: 0.05}}\n"
                        "constraint: {kind: linear_displacement, collar: fibre}\n"
-                       "solver: {kind: direct, tolerance: 1.0e-9, max_iterations: 50}\n"
+                       "solver: {kind: direct, tolerance: 1.0e-9, max_iterations: 50,\n"
+                       "         precision: auto}\n"
                        "output: {fields: true}\n");
     assert_non_null(c);
     CHECK(c->interface == PH_INTERFACE_NODE_CENTRE && c->seed == 9007199254740992u);
@@ -241,6 +243,7 @@ static void test_model_and_below(void **state)
     CHECK(c->constraint.collar == PH_COLLAR_MATRIX && c->constraint.collar_material == 1);
     CHECK_TEXT(c->solver.kind, "direct");
     CHECK(c->solver.tolerance == 1e-9 && c->solver.max_iterations == 50 && c->fields);
+    CHECK_TEXT(c->solver.precision, "auto");
     ph_case_free(&c);
     c = parse(MATERIALS BOX2 "  matrix: fibre\n"
                              "model: {points: nodes, stabilisation: none}\n"
@@ -450,6 +453,7 @@ static void check_same_case(const ph_case *a, const ph_case *b)
     CHECK_TEXT(a->solver.kind, b->solver.kind);
     CHECK(a->solver.tolerance == b->solver.tolerance);
     CHECK(a->solver.max_iterations == b->solver.max_iterations);
+    CHECK_TEXT(a->solver.precision, b->solver.precision);
 }
 
 static void check_round_trip(ph_case *c)

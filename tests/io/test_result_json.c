@@ -135,6 +135,7 @@ static void test_solver_quality_cost_notes(void **state)
     ph_result *r = sample_result(micro, PH_POINTS_STRESS, 0);
     json_t *root = document(r, NULL, NULL);
     check_text(root, "solver.kind", "fft_cg");
+    check_text(root, "solver.precision", "single");
     check_text(root, "solver.route", "cells");
     check_text(root, "solver.loads.5", "12");
     check_number(root, "solver.iterations.2", 16);

@@ -35,70 +35,97 @@ typedef struct way {
     ptrdiff_t n[3];
     ph_model_params model;
     const char *solver, *constraint, *route;
+    const char *precision;
+    double tolerance; /* 0: 0.3 */
 } way;
 
 #define S .stabilisation = PH_STABILISE_SPECTRAL, .stabilisation_value = 1e-2
 #define P .stabilisation = PH_STABILISE_SUBPOINT, .stabilisation_value = 0.1
 
+#define DOUBLE NULL, 0.0
+
 static const way ways[] = {
-    {"local", {4, 3, 1}, {.kind = "local"}, "fft_cg", "periodic", "cells"},
+    {"local", {4, 3, 1}, {.kind = "local"}, "fft_cg", "periodic", "cells", DOUBLE},
     {"cells (S)",
      {4, 3, 1},
      {.points = PH_POINTS_STRESS, S},
      "fft_cg",
      "periodic",
-     "cells"},
-    {"single precision, refined",
+     "cells",
+     DOUBLE},
+    {"single precision, refined (S)",
      {4, 3, 1},
      {.points = PH_POINTS_STRESS, S},
-     "fft_cg_single",
+     "fft_cg",
      "periodic",
-     "cells"},
+     "cells",
+     "single",
+     1e-6},
     {"single precision (P)",
      {3, 4, 3},
      {.points = PH_POINTS_STRESS, P},
-     "fft_cg_single",
+     "fft_cg",
      "periodic",
-     "cells"},
+     "cells",
+     "single",
+     1e-5},
     {"stencil (P)",
      {5, 5, 1},
      {.points = PH_POINTS_NODES, .horizon = 1.0, .weights = "none", P},
      "fft_cg",
      "periodic",
-     "stencil"},
+     "stencil",
+     DOUBLE},
     {"convolution (S)",
      {1, 12, 12},
      {.points = PH_POINTS_NODES, .horizon = 4.0, S},
      "fft_cg",
      "periodic",
-     "convolution"},
+     "convolution",
+     DOUBLE},
     {"convolution (P)",
      {12, 12, 1},
      {.points = PH_POINTS_STRESS, .horizon = 4.0, P},
      "fft_cg",
      "linear_displacement",
-     "convolution"},
-    {"direct", {4, 3, 1}, {.points = PH_POINTS_STRESS, S}, "direct", "periodic", "cells"},
+     "convolution",
+     DOUBLE},
+    {"direct",
+     {4, 3, 1},
+     {.points = PH_POINTS_STRESS, S},
+     "direct",
+     "periodic",
+     "cells",
+     DOUBLE},
     {"relaxation",
      {4, 3, 1},
      {.points = PH_POINTS_STRESS, P},
      "relaxation",
      "periodic",
-     "cells"},
+     "cells",
+     DOUBLE},
     {"held nodes",
      {4, 4, 1},
      {.points = PH_POINTS_STRESS, S},
      "fft_cg",
      "linear_displacement",
-     "cells"},
-    {"free body", {4, 3, 1}, {.kind = "local"}, "fft_cg", "uniform_traction", "cells"},
+     "cells",
+     DOUBLE},
+    {"free body",
+     {4, 3, 1},
+     {.kind = "local"},
+     "fft_cg",
+     "uniform_traction",
+     "cells",
+     DOUBLE},
     {"cut families",
      {4, 4, 1},
      {.points = PH_POINTS_NODES, .horizon = 1.0, S},
      "direct",
      "uniform_traction",
-     "bonds"},
-    {"voigt", {4, 3, 1}, {.kind = "local"}, NULL, "voigt", "analytic"},
+     "bonds",
+     DOUBLE},
+    {"voigt", {4, 3, 1}, {.kind = "local"}, NULL, "voigt", "analytic", DOUBLE},
 };
 
 static void every_allocation_fails(void **state)
@@ -113,12 +140,15 @@ static void every_allocation_fails(void **state)
             if (held && strcmp(k->route, "convolution") == 0) collar = 1;
             ph_error err = PH_ERROR_INIT;
             ph_microstructure *micro = random_micro(&seed, PH_SPACE, k->n, false);
-            world w = {.problem = {.micro = micro,
-                                   .model = k->model,
-                                   .constraint = {.kind = k->constraint},
-                                   .solver = {.kind = k->solver, .tolerance = 0.3},
-                                   .loads = 2u,
-                                   .keep_fields = true}};
+            world w = {
+                .problem = {.micro = micro,
+                            .model = k->model,
+                            .constraint = {.kind = k->constraint},
+                            .solver = {.kind = k->solver,
+                                       .tolerance = k->tolerance > 0 ? k->tolerance : 0.3,
+                                       .precision = k->precision},
+                            .loads = 2u,
+                            .keep_fields = true}};
             if (collar) w.problem.constraint.collar = PH_COLLAR_MATRIX;
             CHECK_OK(call(&w, &err)); /* FFTW's and OpenMP's own are made here */
             CHECK(w.result && strcmp(w.result->route, k->route) == 0);

@@ -52,6 +52,12 @@ def same_as_the_program():
     assert barred.error_bar == {k: v for k, v in quality["error_bar"].items() if v is not None} and not r.error_bar
     assert barred.error_parts["solver"] == quality["error_parts"]["solver"] and barred.richardson == quality["richardson"]
     raises(ValueError, lambda: perihom.homogenise(blob(), error_bar=True), "case")
+    two, one = (perihom.homogenise(blob(), points="stress", tolerance=1e-5, precision=p) for p in ("double", "single"))
+    assert (two.precision, one.precision) == ("double", "single")
+    assert np.allclose(one.stiffness, two.stiffness, rtol=0, atol=1e-4 * two.stiffness.max())  # contrast x tolerance
+    assert one.cost["peak_bytes"] < 0.8 * two.cost["peak_bytes"]
+    raises(perihom.Error, lambda: perihom.homogenise(blob(), precision="half"), "half")
+    assert r.precision == json.loads(out)["solver"]["precision"] == "double"
     document = json.loads(out)["effective"]
     assert np.array_equal(r.stiffness, document["stiffness"])  # 17 digits: the same bits
     assert r.engineering["E1"] == document["engineering"]["E1"]

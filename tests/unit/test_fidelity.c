@@ -53,6 +53,14 @@ static double value(const ph_fidelity *f, const char *name)
 }
 
 /* What is offered is as near to the solution of a fine grid as it was asked to be. */
+static bool notes_precision(const ph_fidelity *f)
+{
+    bool said = false;
+    for (int i = 0; f && f->result && i < f->result->nnotes; i++)
+        said |= strncmp(f->result->notes[i], "precision: double (", 19) == 0;
+    return said;
+}
+
 static void test_accuracy_is_reached(void **state)
 {
     (void)state;
@@ -74,6 +82,7 @@ static void test_accuracy_is_reached(void **state)
         CHECK(f->nsteps >= 2 && isnan(f->step[0].estimate));
         CHECK(f->step[f->nsteps - 1].estimate == f->error);
         CHECK(f->plan.nwhy >= 3);
+        CHECK(notes_precision(f)); /* left to `auto`: too few cells */
         ph_fidelity_free(&f);
         ph_case_free(&c);
     }
@@ -197,19 +206,19 @@ static void test_solver_gives_up(void **state)
     CHECK_END();
 }
 
-/* What the case gives stays: nodes and tolerance. */
+/* What the case gives stays: nodes, tolerance, precision. */
 static void test_given_settings_stay(void **state)
 {
     (void)state;
     const char *sets[] = {"microstructure.nodes=[10, 22]", "solver.tolerance=1e-7",
-                          "accuracy.relative=0.0001"};
+                          "accuracy.relative=0.0001", "solver.precision=double"};
     ph_error err = PH_ERROR_INIT;
     ph_case *c = NULL;
     ph_fidelity *f = NULL;
-    CHECK_OK(ph_case_parse(disk, strlen(disk), "case", sets, 3, &c, NULL, &err));
+    CHECK_OK(ph_case_parse(disk, strlen(disk), "case", sets, 4, &c, NULL, &err));
     CHECK(ph_fidelity_solve(c, NULL, &f, &err) == PH_ENOCONV);
     CHECK(f && f->nodes[0] == 10 && f->nodes[1] == 22 && f->tolerance == 1e-7);
-    CHECK(f && strstr(f->missing, "nodes are given"));
+    CHECK(f && strstr(f->missing, "nodes are given") && !notes_precision(f));
     ph_fidelity_free(&f);
     ph_case_free(&c);
     CHECK_END();

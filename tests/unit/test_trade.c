@@ -281,6 +281,38 @@ static void test_no_grid_at_all(void **state)
     CHECK_END();
 }
 
+/* Single beside double, at the tolerance of the case and at 1e-4: the same constants to the
+ * tolerance, less memory where nothing is refined (0.65 on 32^2). */
+static void test_precision(void **state)
+{
+    (void)state;
+    static const char *const knobs[] = {"nodes", "precision"};
+    static const double same[] = {1e-5, 1e-3}; /* tolerance times contrast */
+    static const double least[] = {0.8, 0.5}, most[] = {1.0, 0.8};
+    ph_error err = PH_ERROR_INIT;
+    ph_trade *t = NULL;
+    const ph_trade_params p = {
+        .path = write_case(text), .knobs = knobs, .nknobs = 2, .finest = 24};
+    CHECK_OK(ph_trade_run(&p, &t, NULL, &err));
+    const ph_trade_row *row[2][2] = {{NULL}}; /* [loose][single] */
+    for (int i = 0; t && i < t->nrows; i++)
+        if (strcmp(t->row[i].knob, "precision") == 0)
+            row[strstr(t->row[i].setting, "1e-4") != NULL]
+               [strstr(t->row[i].setting, "single") != NULL] = &t->row[i];
+    for (int loose = 0; loose < 2; loose++) {
+        const ph_trade_row *two = row[loose][0], *one = row[loose][1];
+        CHECK(one && two && one->state == PH_TRADE_DONE && two->state == PH_TRADE_DONE);
+        if (!one || !two) continue;
+        for (int k = 0; k < t->nconstants; k++)
+            CHECK_REL(one->value[k], two->value[k], same[loose]);
+        double ratio = (double)one->bytes / (double)two->bytes;
+        CHECK(ratio > least[loose] && ratio < most[loose]);
+        CHECK(isfinite(one->error));
+    }
+    ph_trade_free(&t);
+    CHECK_END();
+}
+
 static ph_status refuse(ph_trade_params p, ph_error *err)
 {
     ph_trade *t = NULL;
@@ -380,6 +412,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_advice_holds, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_budget_skips, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_no_grid_at_all, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_precision, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_what_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_documents, set_up, tear_down),
         cmocka_unit_test(test_work_follows_the_counters),

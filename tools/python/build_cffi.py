@@ -73,7 +73,7 @@ void ph_microstructure_fractions(const ph_microstructure *micro, double *fractio
 
 typedef struct { const char *kind; int points; double horizon; bool horizon_is_length; const char *influence;
                  const char *weights; int stabilisation; double stabilisation_value; double crack_tips; double kappa; ...; } ph_model_params;
-typedef struct { const char *kind; double tolerance; int max_iterations; ...; } ph_solver_params;
+typedef struct { const char *kind; double tolerance; int max_iterations; const char *precision; ...; } ph_solver_params;
 typedef struct { const char *kind; int collar; ...; } ph_constraint_params;
 typedef struct { bool given; int criterion; double value, fracture_energy, weibull; ...; } ph_failure_rule;
 typedef struct { const ph_failure_rule *material; ph_failure_rule interphase, agglomeration; uint64_t seed, realisation;
@@ -87,7 +87,8 @@ typedef struct { int load; double macro_strain[6]; int nu, ns; double *displacem
 typedef struct { long loads, iterations, applications, ffts; ptrdiff_t collar; size_t history_variables, bond_bits,
                  peak_bytes; } ph_work;
 typedef struct { ph_grid grid; ph_sym4 stiffness; unsigned loads; ph_sym4 voigt, reuss; bool reuss_is_zero;
-                 int nmaterials; char (*names)[64]; double *fractions; const char *model, *constraint, *solver, *route;
+                 int nmaterials; char (*names)[64]; double *fractions; const char *model, *constraint, *solver,
+                 *precision, *route;
                  double horizon; int nloads; int iterations[6]; double residual[6]; bool converged; double hill_mandel,
                  strain_average, asymmetry, stabilisation_energy; ph_work work; double seconds,
                  seconds_solve; int threads; int nnotes; char notes[...][256]; int nfields;

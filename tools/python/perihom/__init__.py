@@ -450,6 +450,11 @@ class Result:
         return {_text(k.name): k.richardson for k in self._error_constants() if k.richardson == k.richardson}
 
     @property
+    def precision(self) -> str:
+        """Of the solver's iterates: "double" or "single"."""
+        return _text(self._c.precision)
+
+    @property
     def iterations(self) -> list:
         """Of each load."""
         return [self._c.iterations[i] for i in range(self._c.nloads)]
@@ -529,11 +534,13 @@ def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Option
                points: Optional[str] = None, horizon: Optional[float] = None, constraint: Optional[str] = None,
                solver: Optional[str] = None, interface: Optional[str] = None, tolerance: Optional[float] = None,
                loads: Optional[Iterable[int]] = None, fields: Optional[bool] = None, threads: int = 0,
-               progress: Optional[Callable[[int, int, int, float], Any]] = None, error_bar: bool = False) -> Result:
+               progress: Optional[Callable[[int, int, int, float], Any]] = None, error_bar: bool = False,
+               precision: Optional[str] = None) -> Result:
     """Effective stiffness of a microstructure.
 
     case: where settings come from that are not given here; without it, the defaults.
-    model, points, horizon (in spacings), constraint, solver, interface, tolerance: as in a case file.
+    model, points, horizon (in spacings), constraint, solver, interface, tolerance, precision ("double",
+    "single" or "auto"): as in a case file.
     loads: macro strains 0 .. 5 to solve, default all; fields: keep displacement, strain, stress.
     progress(load, loads, iteration, residual): called each iteration; False stops.
     error_bar: solve the companions of `case`, which `micro` must be of, see `Result.error_bar`.
@@ -541,7 +548,8 @@ def homogenise(micro: Microstructure, case: Optional[Case] = None, model: Option
     """
     if error_bar and case is None:
         raise ValueError("error bars are those of a case: a coarser grid is built from it")
-    problem, _keep = _problem(micro, case, model, points, horizon, constraint, solver, interface, tolerance, loads, fields)
+    problem, _keep = _problem(micro, case, model, points, horizon, constraint, solver, interface, tolerance,
+                              precision, loads, fields)
     out = ffi.new("ph_result **")
 
     def solve(ctx, err):
@@ -559,13 +567,13 @@ def relaxation(micro: Microstructure, case: Optional[Case] = None, route: Option
     """Effective relaxation of a microstructure with materials that relax.
 
     route: of the catalogue "routes"; tolerance: relative error of the effective tensor, default
-    that of the case, else 1e-4; settings: model, points, horizon, constraint, solver, interface.
+    that of the case, else 1e-4; settings: model, points, horizon, constraint, solver, interface, precision.
     """
-    names = ("model", "points", "horizon", "constraint", "solver", "interface")
+    names = ("model", "points", "horizon", "constraint", "solver", "interface", "precision")
     unknown = set(settings) - set(names)
     if unknown:
         raise TypeError("relaxation has no setting %s" % ", ".join(sorted(unknown)))
-    problem, _keep = _problem(micro, case, *(settings.get(name) for name in names))
+    problem, _keep = _problem(micro, case, **settings)
     params = ffi.new("ph_relaxation_params *")
     word = ffi.new("char[]", (route or "").encode())
     if case is not None and case._c.viscoelastic.given:

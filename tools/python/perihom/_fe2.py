@@ -34,7 +34,7 @@ class FE2:
 
     FE2(micro): elastic, C* once and no solve after; with phases that relax, steps of time; with
     strengths, bonds that break. settings: model, points, horizon, constraint, solver, interface,
-    tolerance as of homogenise; case: where settings and strengths come from that are not given.
+    tolerance, precision as of homogenise; case: where settings and strengths come from that are not given.
 
     strengths: {material: {"critical_stretch": s}}, or "fracture_energy" (with "criterion"),
     "critical_bond_energy", "weibull", "unbreakable": as `failure` of a case file; phases that are
@@ -52,11 +52,11 @@ class FE2:
     def __init__(self, micro, case=None, strengths: Optional[Mapping[str, Mapping[str, Any]]] = None,
                  interphase: Optional[Mapping[str, Any]] = None, seed: int = 0, cache: int = 0, threads: int = 0,
                  progress: Optional[Callable[[int, int, int, float], Any]] = None, **settings):
-        names = ("model", "points", "horizon", "constraint", "solver", "interface", "tolerance")
+        names = ("model", "points", "horizon", "constraint", "solver", "interface", "tolerance", "precision")
         unknown = set(settings) - set(names)
         if unknown:
             raise TypeError("FE2 has no setting %s" % ", ".join(sorted(unknown)))
-        problem, keep = _problem(micro, case, *(settings.get(name) for name in names))
+        problem, keep = _problem(micro, case, **settings)
         if case is not None and case._c.failure.material != ffi.NULL:
             problem.failure = ffi.addressof(case._c, "failure")
         if strengths is not None:

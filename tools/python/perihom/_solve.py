@@ -22,7 +22,7 @@ def perihom_progress(user, now):
 
 
 def _problem(micro, case, model=None, points=None, horizon=None, constraint=None, solver=None, interface=None,
-             tolerance=None, loads=None, fields=None):
+             tolerance=None, precision=None, loads=None, fields=None):
     """A ph_problem and what it borrows."""
     problem = ffi.new("ph_problem *")
     keep = []
@@ -47,6 +47,8 @@ def _problem(micro, case, model=None, points=None, horizon=None, constraint=None
         problem.constraint.kind = word(constraint)
     if solver is not None:
         problem.solver.kind = word(solver)
+    if precision is not None:
+        problem.solver.precision = word(precision)
     if interface is not None:
         problem.interface = _enum("interface", interface, _INTERFACE)
     if tolerance is not None:
