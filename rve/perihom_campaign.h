@@ -6,6 +6,7 @@
 #include <perihom_rve.h>
 
 #include <perihom_estimators.h>
+#include <perihom_split.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -119,6 +120,31 @@ typedef struct ph_campaign_data {
     char quantity[96], y[PH_TABLE_NAME], sigma[PH_TABLE_NAME];
 } ph_campaign_data;
 
+/** A size of the RVE that was weighed. */
+typedef struct ph_campaign_size {
+    double factor; /* edge over that of the case */
+    double size[3];
+    ptrdiff_t nodes[3]; /* on the grid of the pilots */
+    int64_t pilots;     /* of every point; 0: none */
+    char reason[240];   /* why it was left out; "": it was not */
+} ph_campaign_size;
+
+/** How the size of the RVE was chosen (ph_campaign_choose_size). */
+typedef struct ph_campaign_sizes {
+    double accuracy; /* over the mean, or (`absolute`) in the unit of the output */
+    bool absolute;
+    double exponent; /* of the law of the bias */
+    int n, ntried;   /* sizes; those with pilots, in the order of the answer */
+    int tried[PH_SPLIT_SIZES];
+    ph_campaign_size size[PH_SPLIT_SIZES];
+    int ngrids; /* grids of the case's own edge that were weighed */
+    ptrdiff_t nodes[PH_SPLIT_GRIDS][3];
+    double grid_error[PH_SPLIT_GRIDS];
+    ph_split_answer *answer; /* NULL: not even two sizes could be tried */
+    bool chosen;             /* the campaign is that of the size; else only a report */
+    char why[400];           /* the choice, or why there is none */
+} ph_campaign_sizes;
+
 /** A campaign file, parsed and checked, with the case of every point. Owns its arrays. */
 typedef struct ph_campaign {
     char path[512], folder[512], title[256];
@@ -134,6 +160,10 @@ typedef struct ph_campaign {
                             * (ph_estimation_rule.total), over the mean; 0: not asked for */
     double grid_error;     /* of the grid that ph_campaign_settle chose, over the mean */
     int judged;            /* the output of the stopping rule, or -1 */
+    int nfactors;          /* sizes of the RVE to choose from; 0: the size is given */
+    double factor[PH_SPLIT_SIZES]; /* edges over that of the case, increasing */
+    ph_campaign_sizes *sizes;      /* what came of it, or NULL */
+    double seconds, memory;        /* budget: wall clock of a run, bytes; 0: no end */
     bool common_random_numbers;
     /* Variance reduction: cheaper models of each point, with the same realisations. */
     ph_quantity
@@ -187,7 +217,7 @@ typedef struct ph_campaign_split {
  *
  *  whatever a, z and s. Realisation 0 of every point is solved to that error of the grid
  *  (ph_fidelity_solve); all points get the finest of these grids, and the interval the rest of
- *  t over the estimate. The size of the RVE stays that of the case.
+ *  t over the estimate. The size of the RVE: ph_campaign_choose_size.
  *  @param[in,out] c read again with the nodes; as it was on failure, and where no point is open
  *  @return PH_OK; PH_EINVAL (points of different boxes); as ph_fidelity_solve, with
  *          PH_ENOCONV where the budget of the case ends before. Uses one thread, so that the
@@ -219,6 +249,7 @@ typedef struct ph_campaign_params {
     size_t memory;      /* bytes that all workers may take; 0: 80 % of the machine's */
     int shard, shards;  /* this is shard 1 .. shards of so many; 0: the whole campaign */
     bool retry_failed;  /* compute again what failed */
+    double seconds;     /* wall clock that the call may take; 0: the campaign's budget */
     /* Instead of ph_scenario_evaluate, in a worker process: e.g. known distributions. */
     ph_status (*evaluate)(void *user, const ph_scenario *scenario, int point,
                           ph_evaluation *out, ph_error *err);
@@ -267,11 +298,31 @@ PH_API void ph_campaign_result_free(ph_campaign_result **result);
  *  realisations with (i npoints + p) mod n = k - 1.
  *  The caller must not have used OpenMP in this process before (workers are forked).
  *  @return PH_OK; PH_EPARTIAL (some realisations failed; the result is there); PH_ECANCELLED
- *          (what was computed is on disk; the result is there); PH_EIO (the folder is in use
+ *          (what was computed is on disk; the result is there); PH_ENOCONV (the budget ends
+ *          first, or the pilots say that it will; the result is there but where not even one
+ *          realisation fits into the memory); PH_EIO (the folder is in use
  *          or holds another campaign, disk full); PH_EINVAL; PH_ENOMEM.
  *  Tested: tests/unit/test_campaign.c, tests/cli/campaign.sh */
 PH_API ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params,
                                  ph_campaign_result **out, ph_error *err);
+/** Choose the size of the RVE of a campaign with `size: auto` or edges to choose from.
+ *
+ *  Pilots of two sizes, the smallest first, in params->folder/sizes: what they show
+ *  (ph_split_choose) says whether to go on with one of them, to try the next larger one or to
+ *  double the pilots first. All sizes have the spacing of the case, on which the fillers are
+ *  drawn; sizes and grids are moved by up to 8 % to numbers of nodes that transform well. Where
+ *  ph_campaign_settle chose the grid before, coarser and finer ones are weighed too.
+ *  The pilots of the chosen size are the first realisations of the campaign: they are brought
+ *  to params->folder, and at_least becomes their number. Numbers and choice depend neither on
+ *  workers nor on clocks; the budget of seconds only ends it.
+ *  @param[in,out] c that of the chosen size, which has `sizes`; where there is nothing to
+ *          choose as it was; on failure as it was, with `sizes` where some were tried
+ *  @return PH_OK; PH_ENOCONV (no size meets the accuracy, or the budget does not reach to it:
+ *          the message says what it takes and what it affords); PH_EINVAL (fewer than two
+ *          sizes can be had); as ph_campaign_run. Tested: tests/unit/test_size.c */
+PH_API ph_status ph_campaign_choose_size(ph_campaign **c, const char *const *sets,
+                                         size_t nsets, const ph_campaign_params *params,
+                                         ph_error *err);
 /** Bring the realisations of other folders into `folder`: in any order, any number of times
  *  the same file comes out. Of two results of one realisation a success is taken before a
  *  failure, then the first in the order of bytes.

@@ -34,6 +34,8 @@ bool campaign_step(void *user, const ph_campaign_progress *now)
         campaign_talk_end(t);
         talk("a realisation was lost: %s", now->event);
     }
+    if (now->seconds < t->shown)
+        t->shown = 0; /* another run: of pilots, of the campaign */
     if (now->seconds - t->shown >= every[t->style]) {
         describe(t, now, text, sizeof text);
         if (t->style == PROGRESS_BAR) {
@@ -113,6 +115,67 @@ static void put_bias(FILE *to, const ph_campaign *c, const ph_campaign_summary *
     }
 }
 
+/* "1060 x 1060" */
+static void put_box(FILE *to, const ph_campaign *c, const ph_campaign_size *e)
+{
+    char text[64] = "";
+    size_t at = 0;
+    int axes = c->point[0].c->kinematics == PH_SPACE ? 3 : 2;
+    for (int a = 0; a < axes && at < sizeof text; a++)
+        at += (size_t)snprintf(text + at, sizeof text - at, "%s%.5g", a ? " x " : "",
+                               e->size[a]);
+    fprintf(to, "%22s ", text);
+}
+
+static void put_number(FILE *to, int width, double x)
+{
+    if (isfinite(x))
+        fprintf(to, "%*.3g ", width, x);
+    else
+        fprintf(to, "%*s ", width, "-");
+}
+
+/* A size on a grid; * before the chosen one. */
+static void put_candidate(FILE *to, const ph_campaign *c, int i)
+{
+    const ph_campaign_sizes *r = c->sizes;
+    const ph_split_candidate *x = &r->answer->candidate[i];
+    const ph_campaign_size *e = &r->size[r->tried[x->size]];
+    double per = r->absolute ? 1 : 100;
+    fprintf(to, "%c %6.3g ", i == r->answer->chosen ? '*' : ' ', e->factor);
+    put_box(to, c, e);
+    fprintf(to, "%7lld ", (long long)(x->grid == 0 ? e->pilots : 0));
+    put_number(to, 9, per * x->bias);
+    put_number(to, 9, per * x->bias_half_width);
+    if (r->grid_error[0] > 0) {
+        put_number(to, 8, (double)r->nodes[x->grid][0] * e->factor);
+        put_number(to, 9, per * r->grid_error[x->grid]);
+    }
+    put_number(to, 9, per * x->half_width);
+    put_number(to, 8, x->needed);
+    put_number(to, 9, x->to_go);
+    fprintf(to, "\n");
+}
+
+void campaign_sizes(FILE *to, const ph_campaign *c)
+{
+    const ph_campaign_sizes *r = c->sizes;
+    const char *unit = r->absolute ? " in its unit" : " over its mean, %";
+    if (!r->answer) return;
+    fprintf(to, "\n  %6s %22s %7s %9s %9s ", "edge", "size", "pilots", "bias", "+-");
+    if (r->grid_error[0] > 0) fprintf(to, "%8s %9s ", "nodes", "grid");
+    fprintf(to, "%9s %8s %9s\n", "interval", "needed", "work");
+    for (int i = 0; i < r->answer->ncandidates; i++)
+        put_candidate(to, c, i);
+    for (int i = 0; i < r->n; i++)
+        if (r->size[i].reason[0])
+            fprintf(to, "  %6.3g left out: %s\n", r->size[i].factor, r->size[i].reason);
+    fprintf(to,
+            "errors of %s%s; interval: half width that may be left; work: "
+            "node iterations to go\nsize: %s\n",
+            c->output[c->judged].name, unit, r->why);
+}
+
 void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r)
 {
     put_head(to, c);
@@ -140,4 +203,5 @@ void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r)
     }
     fprintf(to, "+-: half width of the %g %% interval of the mean\n",
             100 * c->stopping.confidence);
+    if (c->sizes) campaign_sizes(to, c);
 }

@@ -19,7 +19,9 @@ typedef struct campaign_talk {
 bool campaign_step(void *user, const ph_campaign_progress *now);
 /** Wipe the line. */
 void campaign_talk_end(campaign_talk *t);
-/** A table, one row a point. */
+/** A table, one row a point; with the sizes that were weighed. */
 void campaign_table(FILE *to, const ph_campaign *c, const ph_campaign_result *r);
+/** The sizes of the RVE that were weighed, and the choice. */
+void campaign_sizes(FILE *to, const ph_campaign *c);
 
 #endif

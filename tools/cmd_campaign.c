@@ -6,8 +6,10 @@
 #include "tools.h"
 
 #include <glob.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct campaign_options {
     text_list operands, set;
@@ -61,8 +63,10 @@ static const verb_spec campaign_verb = {
     .options = options,
     .noptions = sizeof options / sizeof *options,
     .more =
-        "exit codes: 0 done, 2 usage, 3 campaign or case not admissible, 5 file or "
-        "memory, 6 some\n"
+        "exit codes: 0 done, 2 usage, 3 campaign or case not admissible, 4 the accuracy "
+        "is not\n"
+        "reached within the budget (what was computed is kept), 5 file or memory, 6 "
+        "some\n"
         "realisations failed (the files are there), 130 interrupted (what was computed "
         "is kept)",
 };
@@ -75,6 +79,7 @@ typedef struct campaign {
     ph_campaign_params params;
     campaign_talk talk;
     ph_campaign_result *result;
+    double used; /* of the budget, before it runs */
     char *json;
 } campaign;
 
@@ -191,6 +196,7 @@ static ph_status settle(campaign *m, ph_error *err)
     st = ph_campaign_settle(&m->c, o->set.item, o->set.count, &ctx, &split, err);
     progress_end(&p);
     PH_TRY(st);
+    m->used += split.seconds;
     if (split.pilots > 0 && !o->quiet)
         talk(
             "%g %%: %td nodes along axis 1 are off by about %.2g %%, the interval may be "
@@ -201,9 +207,8 @@ out:
     return st;
 }
 
-static ph_status run(campaign *m, ph_error *err)
+static void prepare(campaign *m)
 {
-    ph_status st = PH_OK;
     const campaign_options *o = m->options;
     m->talk = (campaign_talk){
         .c = m->c, .style = progress_choose(o->quiet, o->verbose, o->progress)};
@@ -213,6 +218,40 @@ static ph_status run(campaign *m, ph_error *err)
     m->params.retry_failed = o->retry_failed;
     m->params.progress = campaign_step;
     m->params.user = &m->talk;
+}
+
+/* What is left of the budget. */
+static void take_budget(campaign *m)
+{
+    if (m->c->seconds > 0) m->params.seconds = fmax(m->c->seconds - m->used, 1e-3);
+}
+
+/* A campaign that leaves the size of its RVE open: pilots choose it. */
+static ph_status choose_size(campaign *m, ph_error *err)
+{
+    double start = progress_clock();
+    char path[DESTINATION_PATH + 32];
+    snprintf(path, sizeof path, "%s/realisations.jsonl", m->dir);
+    if (m->c->nfactors > 0 && m->options->rebuild && access(path, F_OK) != 0)
+        return ph_error_set(err, PH_EIO, __FILE__, __LINE__, "%s: there is nothing",
+                            path);
+    take_budget(m);
+    ph_status st = ph_campaign_choose_size(&m->c, m->options->set.item,
+                                           m->options->set.count, &m->params, err);
+    m->talk.c = m->c;
+    m->used += progress_clock() - start;
+    campaign_talk_end(&m->talk);
+    take_budget(m);
+    if (m->c->sizes && st == PH_OK && !m->options->quiet)
+        talk("size: %s", m->c->sizes->why);
+    if (m->c->sizes && st != PH_OK && !m->options->json) campaign_sizes(stdout, m->c);
+    return st;
+}
+
+static ph_status run(campaign *m, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const campaign_options *o = m->options;
     if (o->merge)
         st = merge(m, err);
     else if (o->rebuild)
@@ -257,6 +296,8 @@ static int run_campaign(campaign *m)
     interrupt_install();
     ph_status st = choose_folder(m, &err);
     if (st == PH_OK) st = settle(m, &err);
+    prepare(m);
+    if (st == PH_OK) st = choose_size(m, &err);
     if (st == PH_OK) st = run(m, &err);
     if (m->result) {
         ph_status written = write_files(m, &second);

@@ -11,7 +11,7 @@
 
 enum { BAR_CELLS = 24 };
 
-static double now_seconds(void)
+double progress_clock(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -27,7 +27,7 @@ progress_style progress_choose(bool quiet, bool verbose, bool forced)
 
 void progress_start(progress *p, progress_style style)
 {
-    *p = (progress){.style = style, .start = now_seconds()};
+    *p = (progress){.style = style, .start = progress_clock()};
     p->shown = style == PROGRESS_BAR ? -HUGE_VAL : p->start; /* the bar shows at once */
 }
 
@@ -88,7 +88,7 @@ bool progress_step(void *user, const ph_progress *now)
         p->first = now->residual;
     }
     static const double every[] = {HUGE_VAL, 5.0, 0.0, 0.1}; /* seconds, by style */
-    double t = now_seconds();
+    double t = progress_clock();
     if (t - p->shown >= every[p->style]) show(p, now, t);
     return interrupt_signal() == 0;
 }

@@ -35,4 +35,7 @@ void progress_time(char *text, size_t size, double seconds);
 /** Share of one load that is done, from the logarithm of its residual; 0..1. */
 double progress_share(double first, double residual, double tolerance);
 
+/** Wall clock, seconds since some moment. */
+double progress_clock(void);
+
 #endif

@@ -9,6 +9,9 @@
 
 #include <perihom_campaign.h>
 
+/* Pilots of a size of the RVE, at least. */
+enum { PH_I_PILOTS = 4 };
+
 /** The values that one key takes, and how it is varied. */
 typedef struct ph_i_axis {
     char *key;
@@ -241,7 +244,31 @@ ph_status ph_i_pool_renew(ph_i_pool *p, int worker, ph_error *err);
 /** End all workers now. */
 void ph_i_pool_stop(ph_i_pool *p);
 
+/* ---- run.c */
+
+/** Wall clock, seconds since some moment. */
+double ph_i_clock(void);
+
+/* ---- settle.c, size.c */
+
+/** The campaign once more with more overrides; its stopping rule and grid error stay. */
+ph_status ph_i_campaign_reread(const ph_campaign *c, const char *const *sets,
+                               size_t nsets, const char *const *more, size_t nmore,
+                               ph_campaign **out, ph_error *err);
+/** "microstructure.KEY=[128, 128]" */
+void ph_i_grid_set(const char *key, const ptrdiff_t *nodes, int axes, char *text,
+                   size_t size);
+void ph_i_sizes_free(ph_campaign_sizes **sizes);
+/** variance.c: operations of a realisation, in node iterations. */
+double ph_i_work_of(const ph_case *one, const ph_quantity *output, int noutputs,
+                    double iterations);
+
 /* ---- crew.c, result.c */
+
+/** Bytes of realisation 0 of the largest point, asked of a process of its own: it may use
+ *  OpenMP, this one not. 0: unknown. @param[in] enough where it is certainly less, a guess that
+ *  is too large does */
+double ph_i_crew_bytes(const ph_campaign *c, double enough);
 
 /** Worker processes and threads of each, by processors and memory. */
 void ph_i_crew_choose(const ph_campaign *c, const ph_campaign_params *params,

@@ -6,6 +6,7 @@
 #include <omp.h>
 #endif
 
+#include <math.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,9 +29,7 @@ static double nodes_of(const ph_case *c)
     return n;
 }
 
-/* Bytes of realisation 0 of the largest point, asked of a process of its own: it may use
- * OpenMP, this one not. 0: unknown. */
-static double bytes_of_one(const ph_campaign *c)
+double ph_i_crew_bytes(const ph_campaign *c, double enough)
 {
     int ends[2], largest = 0, status;
     double bytes = 0.0;
@@ -38,7 +37,8 @@ static double bytes_of_one(const ph_campaign *c)
         if (nodes_of(c->point[p].c) > nodes_of(c->point[largest].c)) largest = p;
     /* small ones need no question: 1 kB a node is more than any solver takes */
     const ph_case *one = c->point[largest].c;
-    if (one->voxels.file[0] == 0 && nodes_of(one) < 3e4) return 1e3 * nodes_of(one);
+    if (one->voxels.file[0] == 0 && nodes_of(one) < 3e4 && 1e3 * nodes_of(one) <= enough)
+        return 1e3 * nodes_of(one);
     if (pipe(ends) != 0) return 0.0;
     pid_t pid = fork();
     if (pid == 0) {
@@ -69,7 +69,8 @@ void ph_i_crew_choose(const ph_campaign *c, const ph_campaign_params *params,
                       int *workers, int *threads)
 {
     int jobs = params->jobs > 0 ? params->jobs : processors();
-    double memory = (double)params->memory, each = bytes_of_one(c);
+    double memory = (double)params->memory, each = ph_i_crew_bytes(c, INFINITY);
+    if (c->memory > 0 && !(memory > 0 && memory < c->memory)) memory = c->memory;
     if (memory == 0.0)
         memory = 0.8 * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     *threads = params->threads;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* campaign.json: nothing in it depends on who computed what when. */
 #include "campaign/campaign.h"
+#include "campaign/sizes.h"
 #include "io/json.h"
 
 #include <math.h>
@@ -127,10 +128,23 @@ out:
     return st;
 }
 
-/* Relative to the mean: what sampling leaves, what the grid adds, and both in full, as in
- * `until: {relative_error}`. Where nothing is known of the grid, that is said. */
+/* What the size adds to output k at a point, over the mean: estimate and half width. */
+static bool size_adds(const ph_campaign *c, int p, int k, double size, double *bias,
+                      double *wide)
+{
+    const ph_campaign_sizes *r = c->sizes;
+    if (!r || !r->chosen || k != c->judged) return false;
+    int chosen = r->answer->candidate[r->answer->chosen].size;
+    const ph_split_size *s = &r->answer->point[chosen * c->npoints + p];
+    *bias = fabs(s->bias) / size;
+    *wide = s->bias_half_width / size;
+    return true;
+}
+
+/* Relative to the mean: what sampling leaves, what the grid and the size add, and all in full,
+ * as in `until: {relative_error}`. Where nothing is known of the grid, that is said. */
 static ph_status put_error_bar(const ph_campaign *c, int p, int k,
-                               const ph_campaign_mean *x, json_t *const map[4],
+                               const ph_campaign_mean *x, json_t *const map[5],
                                ph_error *err)
 {
     ph_status st = PH_OK;
@@ -139,7 +153,12 @@ static ph_status put_error_bar(const ph_campaign *c, int p, int k,
     const ph_discretisation *b = &x->bias;
     double grid = b->n ? (fabs(b->estimate) + b->half_width) / size : (double)NAN;
     const char *no = ph_campaign_no_grid(c, p, k);
-    PH_TRY(ph_i_json_put(map[0], name, ph_i_json_number(grid + sampling), err));
+    double bias = 0, wide = 0;
+    if (c->grid_error > 0 && k == c->judged) grid = c->grid_error;
+    if (size_adds(c, p, k, size, &bias, &wide))
+        PH_TRY(ph_i_json_put(map[4], name, ph_i_json_number(bias + wide), err));
+    PH_TRY(ph_i_json_put(map[0], name,
+                         ph_i_json_number(grid + bias + hypot(wide, sampling)), err));
     PH_TRY(ph_i_json_put(map[1], name, ph_i_json_number(sampling), err));
     PH_TRY(ph_i_json_put(map[2], name, ph_i_json_number(grid), err));
     if (!isfinite(grid))
@@ -154,17 +173,19 @@ static ph_status put_error_bars(json_t *point, const ph_campaign *c, int p,
 {
     ph_status st = PH_OK;
     json_t *parts = json_object();
-    json_t *const map[] = {json_object(), json_object(), json_object(), json_object()};
+    json_t *const map[] = {json_object(), json_object(), json_object(), json_object(),
+                           json_object()};
     PH_TRY(ph_i_json_put(point, "error_bar", json_incref(map[0]), err));
     PH_TRY(ph_i_json_put(point, "error_parts", json_incref(parts), err));
     PH_TRY(ph_i_json_put(parts, "sampling", json_incref(map[1]), err));
     PH_TRY(ph_i_json_put(parts, "discretisation", json_incref(map[2]), err));
+    if (c->sizes) PH_TRY(ph_i_json_put(parts, "size", json_incref(map[4]), err));
     PH_TRY(ph_i_json_put(point, "error_reasons", json_incref(map[3]), err));
     for (int k = 0; k < c->noutputs; k++)
         PH_TRY(put_error_bar(c, p, k, &s->output[k], map, err));
 out:
     json_decref(parts);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 5; i++)
         json_decref(map[i]);
     return st;
 }
@@ -256,10 +277,13 @@ ph_status ph_campaign_to_json(const ph_campaign *c, const ph_campaign_result *r,
 {
     PH_GIVEN(c && c->point && r && json);
     ph_status st = PH_OK;
+    bool good = true;
     json_t *root = json_object(), *points = NULL;
     PH_CHECK(c && r && json, PH_EINVAL, "NULL campaign, result or text");
     PH_CHECK(root, PH_ENOMEM, "no memory for a document");
     PH_TRY(put_head(root, c, r, err));
+    if (c->sizes) PH_TRY(ph_i_json_put(root, "split", ph_i_sizes_json(c, &good), err));
+    PH_CHECK(good, PH_ENOMEM, "no memory for a document");
     points = json_array();
     PH_TRY(ph_i_json_put(root, "points", points, err));
     for (int p = 0; p < c->npoints; p++)

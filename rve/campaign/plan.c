@@ -8,6 +8,8 @@
 #include <string.h>
 
 static const char count_rule[] = "must be an integer from 1 to 2^31 - 1";
+static const char size_rule[] =
+    "must be given, auto or a list of edges such as [0.5, 0.7, 1]";
 enum { PILOT = 20 };
 
 static ph_status read_outputs(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
@@ -202,6 +204,68 @@ void ph_i_data_read(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep *swe
         check_table(r, file, columns, c);
 }
 
+static void read_factors(ph_i_reader *r, const ph_i_node *list, ph_campaign *c)
+{
+    if (!ph_i_read_list(r, list, 0, size_rule)) return;
+    if (list->count < 2 || list->count > PH_SPLIT_SIZES) {
+        ph_i_reject(r, list, PH_EINVAL, "must have 2 to %d edges over that of the case",
+                    PH_SPLIT_SIZES);
+        return;
+    }
+    for (size_t i = 0; i < list->count; i++) {
+        const ph_i_node *item = list->child[i];
+        double *f = &c->factor[c->nfactors];
+        if (!ph_i_read_number(r, item, 0.01, 100, "must lie between 0.01 and 100", f))
+            continue;
+        if (c->nfactors > 0 && *f <= f[-1])
+            ph_i_complain(r, item, PH_EINVAL, "%g: edges must increase", *f);
+        c->nfactors++;
+    }
+}
+
+/* size: given | auto | [0.5, 0.7, 1] */
+static void read_size(ph_i_reader *r, const ph_i_node *root, ph_campaign *c)
+{
+    static const double own[] = {0.5, 0.7071, 1, 1.4142, 2};
+    const ph_i_node *node = ph_i_get(root, "size");
+    if (!node) return;
+    if (node->kind == PH_I_SCALAR) {
+        int i = ph_i_read_name(
+            r, node, (ph_i_names)PH_I_NAMES(((const char *const[]){"given", "auto"})));
+        if (i != 1) return;
+        c->nfactors = sizeof own / sizeof *own;
+        memcpy(c->factor, own, sizeof own);
+    } else {
+        read_factors(r, node, c);
+    }
+    if (c->judged < 0 || c->stopping.at_most < PH_I_PILOTS)
+        ph_i_complain(r, node, PH_EINVAL,
+                      "needs realisations.until, the accuracy that the size is chosen "
+                      "for, and at_most of %d or more",
+                      PH_I_PILOTS);
+    const ph_i_node *reduce = ph_i_get(root, "variance_reduction");
+    if (reduce && !(reduce->kind == PH_I_SCALAR && strcmp(reduce->text, "none") == 0))
+        ph_i_complain(r, node, PH_EINVAL,
+                      "variance_reduction is there too: one of them, cheaper models are "
+                      "of one size");
+}
+
+static void read_budget(ph_i_reader *r, const ph_i_node *root, ph_campaign *c)
+{
+    static const char *const keys[] = {"seconds", "memory"};
+    const ph_i_node *map = ph_i_get(root, "budget");
+    if (!map ||
+        !ph_i_read_map(r, map, "must be a map such as {seconds: 600, memory: 8e9}"))
+        return;
+    ph_i_check_keys(r, map, (ph_i_names)PH_I_NAMES(keys), "budget");
+    const ph_i_node *seconds = ph_i_get(map, "seconds"),
+                    *memory = ph_i_get(map, "memory");
+    if (seconds)
+        ph_i_read_positive(r, seconds, "must be a number of seconds > 0", &c->seconds);
+    if (memory)
+        ph_i_read_positive(r, memory, "must be a number of bytes > 0", &c->memory);
+}
+
 ph_status ph_i_plan_read(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
                          ph_error *err)
 {
@@ -214,6 +278,8 @@ ph_status ph_i_plan_read(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
     read_realisations(r, root, c);
     const ph_i_node *common = ph_i_get(root, "common_random_numbers");
     if (common) ph_i_read_flag(r, common, &c->common_random_numbers);
+    read_size(r, root, c);
+    read_budget(r, root, c);
 out:
     return st;
 }

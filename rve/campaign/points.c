@@ -161,6 +161,40 @@ static void check_outputs(ph_i_reader *r, const ph_i_node *root, const ph_campai
     }
 }
 
+/* Is the microstructure a sample, of which a larger or a smaller one can be had? */
+static const char *has_own_size(const ph_case *one)
+{
+    if (one->nfillers == 0 || one->voxels.file[0])
+        return "nothing of the microstructure is random: its size is part of what it is";
+    if (one->ninclusions > 0 || one->ncracks > 0)
+        return "inclusions and cracks have their place in a cell of this size: fillers "
+               "alone can be cut larger or smaller";
+    return NULL;
+}
+
+static void check_size(ph_i_reader *r, const ph_i_node *root, const ph_campaign *c,
+                       int point)
+{
+    static const char *const keys[] = {"microstructure.size", "microstructure.nodes",
+                                       "microstructure.drawn_on"};
+    const ph_case *one = c->point[point].c, *first = c->point[0].c;
+    const ph_i_node *node = ph_i_get(root, "size");
+    bool one_box = first && memcmp(one->size, first->size, sizeof one->size) == 0 &&
+                   memcmp(one->nodes, first->nodes, sizeof one->nodes) == 0 &&
+                   memcmp(one->drawn_on, first->drawn_on, sizeof one->nodes) == 0 &&
+                   one->kinematics == first->kinematics;
+    const char *no = has_own_size(one);
+    if (c->nfactors == 0 || !node) return;
+    for (int k = 0; k < c->nkeys && !no; k++)
+        for (int i = 0; i < 3; i++)
+            if (strncmp(c->key[k], keys[i], strlen(keys[i])) == 0)
+                no = "the size, nodes or drawn_on vary in the campaign: choose one of "
+                     "both";
+    if (!no && !one_box)
+        no = "points have boxes or grids of their own: one size is chosen";
+    if (no && !was_said(r, no)) ph_i_complain(r, node, PH_EINVAL, "%s", no);
+}
+
 static ph_status hash_voxels(ph_campaign *c, const ph_case *one, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -180,10 +214,11 @@ static ph_status hash_point(ph_campaign *c, int point, ph_error *err)
 {
     ph_status st = PH_OK;
     char *json = NULL;
-    ph_case *one = c->point[point].c;
-    PH_TRY(ph_case_to_json(one, &json, err));
+    ph_case one = *c->point[point].c;     /* borrows its arrays */
+    one.accuracy = (ph_case_accuracy){0}; /* not of what a realisation is */
+    PH_TRY(ph_case_to_json(&one, &json, err));
     c->hash = ph_i_hash(c->hash, json, strlen(json) + 1);
-    PH_TRY(hash_voxels(c, one, err));
+    PH_TRY(hash_voxels(c, &one, err));
 out:
     free(json);
     return st;
@@ -225,6 +260,7 @@ static ph_status resolve(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep
         PH_TRY(ph_i_levels_resolve(levels, point, (const char *const *)sets->item,
                                    sets->count, c, &issues, err));
         check_total(r, &issues, c, point);
+        check_size(r, root, c, point);
     }
     hand_on(r, root, &issues, c, point);
 out:
@@ -270,6 +306,9 @@ ph_status ph_i_points_resolve(ph_i_reader *r, const ph_i_node *root,
     c->npoints = npoints;
     for (int p = 0; p < npoints && r->invalid + r->unphysical < 20; p++)
         PH_TRY(resolve(r, root, sweep, p, &levels, &all, c, err));
+    const ph_case *first = npoints > 0 ? c->point[0].c : NULL; /* NULL: complained of */
+    if (first && !(c->seconds > 0)) c->seconds = first->accuracy.seconds;
+    if (first && !(c->memory > 0)) c->memory = first->accuracy.memory;
     for (int i = 0; i < c->noutputs; i++)
         c->hash = ph_i_hash(c->hash, c->output[i].name, strlen(c->output[i].name) + 1);
     c->hash = ph_i_hash(c->hash, &c->common_random_numbers, 1);

@@ -12,7 +12,8 @@ static const char *const root_keys[] = {"campaign", "title",
                                         "sweep",    "zip",
                                         "table",    "realisations",
                                         "outputs",  "common_random_numbers",
-                                        "data",     "variance_reduction"};
+                                        "data",     "variance_reduction",
+                                        "size",     "budget"};
 
 static void free_point(ph_campaign_point *p, int nkeys)
 {
@@ -37,6 +38,7 @@ void ph_campaign_free(ph_campaign **campaign)
     free(c->key);
     free(c->output);
     free(c->cheap);
+    ph_i_sizes_free(&c->sizes);
     free(c);
     *campaign = NULL;
 }

@@ -30,11 +30,12 @@ typedef struct engine {
     int nagain;
     int64_t outstanding, computed;
     double started, synced, shown,
-        spent; /* spent: seconds of all realisations together */
+        spent;     /* spent: seconds of all realisations together */
+    bool foreseen; /* it was looked whether the budget is enough */
     char event[256];
 } engine;
 
-static double seconds(void)
+double ph_i_clock(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -50,11 +51,11 @@ static ph_status describe(const ph_scenario *s, ph_evaluation *v, ph_error *err)
     ph_case c = *s->c; /* borrows its arrays */
     ph_microstructure *micro = NULL;
     ph_packing *packing = NULL;
-    double start = seconds();
+    double start = ph_i_clock();
     c.realisation = s->realisation;
     PH_TRY(ph_rve_generate(&c, &micro, &packing, err));
     PH_TRY(ph_rve_describe(&c, packing, micro, v->value, err));
-    v->seconds = seconds() - start;
+    v->seconds = ph_i_clock() - start;
 out:
     ph_packing_free(&packing);
     ph_microstructure_free(&micro);
@@ -246,25 +247,36 @@ out:
 
 /* ---- progress */
 
-static double time_to_go(const engine *e)
+/* Realisations of a point that are missing, as far as they can be foreseen. */
+static double missing_of(const engine *e, int p)
+{
+    const ph_stopping *rule = &e->c->stopping;
+    const ph_i_point_tally *t = &e->tally.point[p];
+    const ph_sequence *s = &t->output[e->c->judged >= 0 ? e->c->judged : 0];
+    if (t->done) return 0;
+    double n = (double)ph_i_tally_wanted(&e->tally, p);
+    ph_interval i = ph_sequence_interval(s);
+    if (e->c->judged >= 0 && s->n > 1) {
+        double d = rule->half_width > 0 ? rule->half_width
+                                        : rule->relative_half_width * fabs(i.mean);
+        n = fmax(n, (double)s->n * pow(i.half_width / d, 2));
+    }
+    return fmin(n, (double)rule->at_most) - (double)t->next;
+}
+
+static double missing(const engine *e)
 {
     double left = 0.0;
-    const ph_stopping *rule = &e->c->stopping;
-    if (e->computed == 0 || e->params->shards > 1 || e->c->nmodels > 1) return NAN;
-    for (int p = 0; p < e->c->npoints; p++) {
-        const ph_i_point_tally *t = &e->tally.point[p];
-        const ph_sequence *s = &t->output[e->c->judged >= 0 ? e->c->judged : 0];
-        if (t->done) continue;
-        double n = (double)ph_i_tally_wanted(&e->tally, p);
-        ph_interval i = ph_sequence_interval(s);
-        if (e->c->judged >= 0 && s->n > 1) {
-            double d = rule->half_width > 0 ? rule->half_width
-                                            : rule->relative_half_width * fabs(i.mean);
-            n = fmax(n, (double)s->n * pow(i.half_width / d, 2));
-        }
-        left += fmin(n, (double)rule->at_most) - (double)t->next;
-    }
-    return left * (e->spent / (double)e->computed) / e->pool.n;
+    if (e->params->shards > 1 || e->c->nmodels > 1) return NAN;
+    for (int p = 0; p < e->c->npoints; p++)
+        left += missing_of(e, p);
+    return left;
+}
+
+static double time_to_go(const engine *e)
+{
+    if (e->computed == 0) return NAN;
+    return missing(e) * (e->spent / (double)e->computed) / e->pool.n;
 }
 
 static bool report(engine *e)
@@ -278,12 +290,12 @@ static bool report(engine *e)
         now->wanted += ph_i_tally_wanted(&e->tally, p);
         now->points_done += p < e->c->npoints && e->tally.point[p].done;
     }
-    now->seconds = seconds() - e->started;
+    now->seconds = ph_i_clock() - e->started;
     now->to_go = time_to_go(e);
     now->mean = ph_sequence_interval(&t->output[e->c->judged >= 0 ? e->c->judged : 0]);
     bool go_on = e->params->progress(e->params->user, now);
     now->event = NULL;
-    e->shown = seconds();
+    e->shown = ph_i_clock();
     return go_on;
 }
 
@@ -293,8 +305,74 @@ static ph_status sync_if_due(engine *e, bool idle, double now, ph_error *err)
     double every = fmin(fmax(20.0 * e->store.sync_seconds, 0.05), 2.0);
     if (!idle && now - e->synced < every) return PH_OK;
     ph_status st = ph_i_store_sync(&e->store, err);
-    e->synced = seconds();
+    if (e->costs) fflush(e->costs); /* what the next run knows of the time it takes */
+    e->synced = ph_i_clock();
     return st;
+}
+
+/* ---- the budget */
+
+/* Do the pilots tell how many it takes, and enough of this run how long? */
+static bool can_foresee(const engine *e)
+{
+    if (e->foreseen || e->computed < e->pool.n || e->computed < 4) return false;
+    for (int p = 0; p < e->c->npoints && e->c->judged >= 0; p++)
+        if (e->tally.point[p].output[e->c->judged].stage == 0 && !e->tally.point[p].done)
+            return false;
+    return isfinite(time_to_go(e));
+}
+
+/* What the rest of the budget makes of the widest interval: share of what is missing. */
+static double afforded(const engine *e, double share)
+{
+    double worst = 0;
+    for (int p = 0; p < e->c->npoints; p++) {
+        const ph_sequence *s = &e->tally.point[p].output[e->c->judged];
+        ph_interval i = ph_sequence_interval(s);
+        double n = (double)s->n, scale = e->c->stopping.half_width > 0 ? 1 : fabs(i.mean);
+        worst =
+            fmax(worst, i.half_width / scale * sqrt(n / (n + share * missing_of(e, p))));
+    }
+    return worst;
+}
+
+static ph_status refuse(const engine *e, double left, ph_error *err)
+{
+    const ph_stopping *rule = &e->c->stopping;
+    double takes = time_to_go(e), more = missing(e);
+    bool absolute = rule->half_width > 0;
+    double per = absolute ? 1 : 100,
+           wanted = absolute ? rule->half_width : rule->relative_half_width;
+    const char *unit = absolute ? "" : " %";
+    if (e->c->judged < 0)
+        return PH_FAIL(
+            err, PH_ENOCONV,
+            "budget.seconds: %.3g are left, and the %.0f realisations that are "
+            "missing take about %.2g; it is enough for about %.0f",
+            left, more, takes, floor(more * left / takes));
+    return PH_FAIL(
+        err, PH_ENOCONV,
+        "budget.seconds: %.3g are left, and an interval of %.3g%s to each side "
+        "takes about %.2g: %.0f realisations more; what is left affords about "
+        "%.2g%s",
+        left, per * wanted, unit, takes, more, per * afforded(e, left / takes), unit);
+}
+
+/* Is the budget over, or (once, after the pilots) sure to be over too early? */
+static ph_status check_budget(engine *e, double now, ph_error *err)
+{
+    double all = e->params->seconds > 0 ? e->params->seconds : e->c->seconds;
+    double left = all - (now - e->started);
+    if (!(all > 0)) return PH_OK;
+    if (left <= 0)
+        return PH_FAIL(
+            err, PH_ENOCONV,
+            "budget.seconds: %.3g are over; what was computed is kept, the same "
+            "command goes on with as many",
+            all);
+    if (!can_foresee(e)) return PH_OK;
+    e->foreseen = true;
+    return time_to_go(e) > left ? refuse(e, left, err) : PH_OK;
 }
 
 static ph_status loop(engine *e, ph_error *err)
@@ -313,8 +391,9 @@ static ph_status loop(engine *e, ph_error *err)
         } else if (what == 2) {
             PH_TRY(take_death(e, worker, how, err));
         }
-        double now = seconds();
+        double now = ph_i_clock();
         PH_TRY(sync_if_due(e, what == 0, now, err));
+        if (e->outstanding > 0) PH_TRY(check_budget(e, now, err));
         if (now - e->shown > 0.1 || e->now.event)
             PH_CHECK(report(e), PH_ECANCELLED, "interrupted");
     }
@@ -371,6 +450,8 @@ static ph_status check_params(const ph_campaign *c, const ph_campaign_params *p,
     PH_CHECK(!(c->relative_error > 0) || c->nmodels > 1 ||
                  c->stopping.relative_half_width > 0,
              PH_EINVAL, "the error of the grid is not known: ph_campaign_settle");
+    PH_CHECK(c->nfactors == 0 || (c->sizes && c->sizes->chosen), PH_EINVAL,
+             "the size of the RVE is not chosen: ph_campaign_choose_size");
 out:
     return st;
 }
@@ -379,7 +460,7 @@ ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params
                           ph_campaign_result **out, ph_error *err)
 {
     ph_status st = PH_OK;
-    engine e = {.c = c, .params = params, .started = seconds()};
+    engine e = {.c = c, .params = params, .started = ph_i_clock()};
     e.store = (ph_i_store){.lock = -1, .fd = -1};
     PH_CHECK(out, PH_EINVAL, "NULL result");
     *out = NULL;
@@ -388,6 +469,10 @@ ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params
     PH_TRY(prepare(&e, err));
     e.now.points = c->npoints;
     if (anything_to_do(&e)) {
+        double bytes = c->memory > 0 ? ph_i_crew_bytes(c, c->memory) : 0;
+        PH_CHECK(bytes <= c->memory, PH_ENOCONV,
+                 "budget.memory: a realisation takes about %.2g bytes, %.3g are allowed",
+                 bytes, c->memory);
         ph_i_crew_choose(c, params, &e.now.workers, &e.now.threads);
         PH_TRY(ph_i_pool_start(&e.pool, e.now.workers, work, &e,
                                (const int[2]){e.store.lock, e.store.fd}, err));
@@ -396,7 +481,7 @@ ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params
         ph_status synced = ph_i_store_sync(&e.store, st == PH_OK ? err : NULL);
         if (st == PH_OK) st = synced;
         if (st == PH_OK) report(&e);
-        if (st != PH_OK && st != PH_ECANCELLED) goto out;
+        if (st != PH_OK && st != PH_ECANCELLED && st != PH_ENOCONV) goto out;
     }
     ph_status summed = ph_i_result_make(&e.store, out, st == PH_OK ? err : NULL);
     if (st == PH_OK) st = summed;

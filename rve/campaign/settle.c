@@ -48,6 +48,8 @@ static ph_status pilot(const ph_campaign *c, int point, double wanted, const ph_
              c->output[judged].name);
     one.realisation = ph_campaign_realisation(c, point, 0);
     one.error_parts = 0;
+    if (c->seconds > 0) one.accuracy.seconds = c->seconds;
+    if (c->memory > 0) one.accuracy.memory = c->memory;
     ph_status st = ph_fidelity_solve(&one, &alone, out, err);
     if (st != PH_OK) ph_error_prefix(err, "point %d: ", point);
     return st;
@@ -76,31 +78,51 @@ out:
     return st;
 }
 
+ph_status ph_i_campaign_reread(const ph_campaign *c, const char *const *sets,
+                               size_t nsets, const char *const *more, size_t nmore,
+                               ph_campaign **out, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const char **all = NULL;
+    PH_ALLOC(all, nsets + nmore, "overrides");
+    for (size_t i = 0; i < nsets + nmore; i++)
+        all[i] = i < nsets ? sets[i] : more[i - nsets];
+    PH_TRY(ph_campaign_read(c->path, all, nsets + nmore, out, NULL, err));
+    (*out)->stopping = c->stopping;
+    (*out)->grid_error = c->grid_error;
+    (*out)->seconds = c->seconds;
+    (*out)->memory = c->memory;
+out:
+    free(all);
+    return st;
+}
+
+/* "microstructure.nodes=[128, 128]" */
+void ph_i_grid_set(const char *key, const ptrdiff_t *nodes, int axes, char *text,
+                   size_t size)
+{
+    size_t at = (size_t)snprintf(text, size, "microstructure.%s=[", key);
+    for (int a = 0; a < axes && at < size; a++)
+        at += (size_t)snprintf(text + at, size - at, "%s%td", a ? ", " : "", nodes[a]);
+    if (at < size) snprintf(text + at, size - at, "]");
+}
+
 /* The campaign once more, with these nodes. */
 static ph_status read_again(ph_campaign **c, const char *const *sets, size_t nsets,
                             const ph_campaign_split *s, ph_error *err)
 {
     ph_status st = PH_OK;
-    const char **all = NULL;
     ph_campaign *next = NULL;
-    char nodes[96] = "microstructure.nodes=[";
-    int axes = ph_i_fidelity_axes((*c)->point[0].c);
-    for (int a = 0; a < axes; a++) {
-        size_t at = strlen(nodes);
-        snprintf(nodes + at, sizeof nodes - at, "%s%td", a ? ", " : "", s->nodes[a]);
-    }
-    strncat(nodes, "]", sizeof nodes - strlen(nodes) - 1);
-    PH_ALLOC(all, nsets + 1, "overrides");
-    for (size_t i = 0; i < nsets; i++)
-        all[i] = sets[i];
-    all[nsets] = nodes;
-    PH_TRY(ph_campaign_read((*c)->path, all, nsets + 1, &next, NULL, err));
+    char nodes[96];
+    const char *const more[] = {nodes};
+    ph_i_grid_set("nodes", s->nodes, ph_i_fidelity_axes((*c)->point[0].c), nodes,
+                  sizeof nodes);
+    PH_TRY(ph_i_campaign_reread(*c, sets, nsets, more, 1, &next, err));
     next->stopping.relative_half_width = s->half_width;
     next->grid_error = s->grid;
     ph_campaign_free(c);
     *c = next;
 out:
-    free(all);
     return st;
 }
 

@@ -22,18 +22,24 @@ static double nodes_of(const ptrdiff_t n[3])
 /* Operations, in node iterations: those of the solver, and what it takes to begin a case and
  * a load as measured for 2D bond cases (docs/theory/multilevel.md). No clock: numbers of
  * realisations must not depend on the machine. */
+double ph_i_work_of(const ph_case *one, const ph_quantity *output, int noutputs,
+                    double iterations)
+{
+    double loads = 0;
+    const ph_scenario s = {.c = one, .noutputs = noutputs, .output = output};
+    for (unsigned bits = ph_scenario_loads(&s); bits; bits >>= 1)
+        loads += bits & 1;
+    if (isnan(iterations)) iterations = 20 * loads;
+    return nodes_of(one->nodes) * (iterations + 10 * loads + 11);
+}
+
 static double cost_of(const ph_i_tally *t, int slot)
 {
     const ph_case *one = ph_i_slot_case(t->c, slot);
     const ph_i_point_tally *p = &t->point[slot];
-    double nodes = nodes_of(one->nodes), loads = 0;
-    if (ph_i_is_fillers(t->c, slot)) return 0.5 * nodes;
-    const ph_scenario s = {
-        .c = one, .noutputs = t->c->noutputs, .output = ph_i_slot_output(t->c, slot)};
-    for (unsigned bits = ph_scenario_loads(&s); bits; bits >>= 1)
-        loads += bits & 1;
-    double iterations = p->costed ? p->iterations / p->costed : 20 * loads;
-    return nodes * (iterations + 10 * loads + 11);
+    if (ph_i_is_fillers(t->c, slot)) return 0.5 * nodes_of(one->nodes);
+    double iterations = p->costed ? p->iterations / p->costed : (double)NAN;
+    return ph_i_work_of(one, ph_i_slot_output(t->c, slot), t->c->noutputs, iterations);
 }
 
 /* Room for one more realisation. */

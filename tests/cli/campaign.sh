@@ -93,6 +93,47 @@ for k in 2 1; do models -o reduced3 --shard $k/2 -j 1; done
 models -o reduced3 --merge
 check "... two shards, merged: the same" same reduced3 reduced
 
+# A size that is chosen: any number of workers, killed among pilots and after, split by points.
+sed '/^sweep:/d; s/^realisations:.*/realisations: {at_most: 2000, at_least: 12, until: {quantity: C11, relative_half_width: 0.04}}/' sweep.yaml >size.yaml
+echo 'size: [0.06, 0.75, 1, 1.5]' >>size.yaml
+size() { "$perihom" campaign size.yaml -q "$@" >out 2>err; }
+size -o sized -j 1
+check "a size is chosen: exit code 0" test $? -eq 0
+check "... the table says which and what was left out" sh -c 'grep -q "^\*" out && grep -q "left out" out && grep -q "^size: .* of the edge" out'
+check "... so does campaign.json" sh -c 'grep -q "\"split\"" sized/campaign.json && grep -q "\"why\"" sized/campaign.json'
+for k in 1 2 3 4; do
+    "$perihom" campaign size.yaml -q -o sized2 -j 2 >/dev/null 2>&1 &
+    pid=$!
+    sleep "0.0$k"
+    kill -9 "$pid" 2>/dev/null
+    wait "$pid" 2>/dev/null
+done
+size -o sized2 -j 3
+check "... killed four times: the same" same sized2 sized
+size -o sized2 --rebuild
+check "... --rebuild" same sized2 sized
+for k in 2 1; do size -o sized3 --shard $k/2 -j 1; done
+size -o sized3 --merge
+check "... two shards, merged: the same" same sized3 sized
+size -o sized4 --rebuild
+check "... nothing to rebuild: exit code 5" test $? -eq 5
+check "... and no folder" test ! -e sized4
+sed 's/0.04}/0.0005}/' size.yaml >far.yaml
+"$perihom" campaign far.yaml -o far -q --set materials.clay.E=1000 >out 2>err
+check "what no size meets: exit code 4" test $? -eq 4
+check "... says what comes nearest" grep -q 'no size meets 0.05 %.*nearest' err
+check "... and has no result" test ! -e far/campaign.json
+echo 'budget: {seconds: 1e-3}' >>size.yaml
+size -o late
+check "a budget that ends among the pilots: exit code 4" test $? -eq 4
+check "... and it says so" grep -q 'pilots at 0.75 of the edge: budget.seconds' err
+{ cat sweep.yaml && echo 'budget: {seconds: 1e-3}'; } >budget.yaml
+"$perihom" campaign budget.yaml -o late2 -q >out 2>err
+check "a budget that ends: exit code 4" test $? -eq 4
+check "... the files are there, and it says how to go on" sh -c 'test -s late2/campaign.json && grep -q "incomplete" out && grep -q "goes on" err'
+campaign -o late2
+check "... it goes on, to the same" same late2 one
+
 # Another campaign in the same folder is refused.
 sed 's/0.05\]/0.06]/' sweep.yaml >other.yaml
 "$perihom" campaign other.yaml -o one -q 2>err

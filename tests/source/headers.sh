@@ -14,7 +14,7 @@ compile() { # compiler language header
 }
 
 cd "$root/lib" || exit 99
-for header in perihom.h perihom/*.h perihom_rve.h perihom_calibrate.h perihom_campaign.h perihom_error_bar.h perihom_estimators.h perihom_trade.h perihom_fidelity.h; do
+for header in perihom.h perihom/*.h perihom_rve.h perihom_calibrate.h perihom_campaign.h perihom_error_bar.h perihom_estimators.h perihom_split.h perihom_trade.h perihom_fidelity.h; do
     check "$header as C11" compile "$cc -std=c11" c "$header"
     [ -z "$cxx" ] || check "$header as C++" compile "$cxx -std=c++17" c++ "$header"
 done

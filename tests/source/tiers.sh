@@ -55,7 +55,7 @@ check "lib does not use tools" none '"(\.\./)*tools/' lib rve
 for t in core material space model constraint solve effective; do
     check "lib/$t knows no case files" none '[<"](perihom/(case|output)\.h|perihom\.h)' "lib/$t"
 done
-check "public headers include only public headers" none '"' lib/perihom lib/perihom.h rve/perihom_rve.h rve/perihom_campaign.h rve/perihom_error_bar.h rve/perihom_estimators.h rve/perihom_trade.h rve/perihom_fidelity.h
+check "public headers include only public headers" none '"' lib/perihom lib/perihom.h rve/perihom_rve.h rve/perihom_campaign.h rve/perihom_error_bar.h rve/perihom_estimators.h rve/perihom_split.h rve/perihom_trade.h rve/perihom_fidelity.h
 check "tools see public headers only" none \
     "\"(\.\./)*(lib|rve|$(echo "$tiers" | tr ' ' '|'))/" tools
 tap_end
