@@ -124,9 +124,9 @@ typedef struct ph_campaign_data {
 typedef struct ph_campaign_size {
     double factor; /* edge over that of the case */
     double size[3];
-    ptrdiff_t nodes[3]; /* on the grid of the pilots */
-    int64_t pilots;     /* of every point; 0: none */
-    char reason[240];   /* why it was left out; "": it was not */
+    ptrdiff_t nodes[PH_SPLIT_GRIDS][3]; /* on every grid, that of the pilots first */
+    int64_t pilots;                     /* of every point; 0: none */
+    char reason[240];                   /* why it was left out; "": it was not */
 } ph_campaign_size;
 
 /** How the size of the RVE was chosen (ph_campaign_choose_size). */
@@ -137,8 +137,8 @@ typedef struct ph_campaign_sizes {
     int n, ntried;   /* sizes; those with pilots, in the order of the answer */
     int tried[PH_SPLIT_SIZES];
     ph_campaign_size size[PH_SPLIT_SIZES];
-    int ngrids; /* grids of the case's own edge that were weighed */
-    ptrdiff_t nodes[PH_SPLIT_GRIDS][3];
+    int ngrids;                         /* that were weighed */
+    ptrdiff_t nodes[PH_SPLIT_GRIDS][3]; /* of them, at the case's own edge */
     double grid_error[PH_SPLIT_GRIDS];
     ph_split_answer *answer; /* NULL: not even two sizes could be tried */
     bool chosen;             /* the campaign is that of the size; else only a report */

@@ -148,7 +148,7 @@ static void put_candidate(FILE *to, const ph_campaign *c, int i)
     put_number(to, 9, per * x->bias);
     put_number(to, 9, per * x->bias_half_width);
     if (r->grid_error[0] > 0) {
-        put_number(to, 8, (double)r->nodes[x->grid][0] * e->factor);
+        fprintf(to, "%8td ", e->nodes[x->grid][0]);
         put_number(to, 9, per * r->grid_error[x->grid]);
     }
     put_number(to, 9, per * x->half_width);

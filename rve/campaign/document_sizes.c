@@ -20,7 +20,7 @@ static json_t *size_json(const ph_campaign_size *e, int axes, bool *good)
     json_t *map = json_object();
     ph_i_json_set(map, "edge", json_real(e->factor), good);
     ph_i_json_set(map, "size", ph_i_json_numbers(e->size, axes, good), good);
-    ph_i_json_set(map, "nodes", nodes_json(e->nodes, axes, good), good);
+    ph_i_json_set(map, "nodes", nodes_json(e->nodes[0], axes, good), good);
     ph_i_json_set(map, "pilots", json_integer(e->pilots), good);
     ph_i_json_set(map, "left_out", e->reason[0] ? ph_i_json_text(e->reason) : json_null(),
                   good);
@@ -49,9 +49,11 @@ static json_t *candidate_json(const ph_campaign *c, const ph_split_candidate *x,
                               bool *good)
 {
     const ph_campaign_sizes *r = c->sizes;
+    const ph_campaign_size *e = &r->size[r->tried[x->size]];
+    int axes = ph_i_fidelity_axes(c->point[0].c);
     json_t *map = json_object();
-    ph_i_json_set(map, "edge", json_real(r->size[r->tried[x->size]].factor), good);
-    ph_i_json_set(map, "grid", json_integer(x->grid), good);
+    ph_i_json_set(map, "edge", json_real(e->factor), good);
+    ph_i_json_set(map, "nodes", nodes_json(e->nodes[x->grid], axes, good), good);
     ph_i_json_set(map, "meets", json_boolean(x->meets), good);
     ph_i_json_set(map, "bias", ph_i_json_number(x->bias), good);
     ph_i_json_set(map, "bias_half_width", ph_i_json_number(x->bias_half_width), good);
@@ -67,9 +69,7 @@ static json_t *candidate_json(const ph_campaign *c, const ph_split_candidate *x,
 static json_t *answer_json(const ph_campaign *c, json_t *map, int axes, bool *good)
 {
     const ph_campaign_sizes *r = c->sizes;
-    json_t *grids = json_array(), *pilots = json_array(), *candidates = json_array();
-    for (int j = 0; j < r->ngrids; j++)
-        ph_i_json_append(grids, nodes_json(r->nodes[j], axes, good), good);
+    json_t *pilots = json_array(), *candidates = json_array();
     for (int i = 0; i < r->ntried; i++) {
         json_t *one = size_json(&r->size[r->tried[i]], axes, good);
         ph_i_json_set(one, "points", points_json(c, i, good), good);
@@ -79,7 +79,6 @@ static json_t *answer_json(const ph_campaign *c, json_t *map, int axes, bool *go
         ph_i_json_append(candidates, candidate_json(c, &r->answer->candidate[i], good),
                          good);
     ph_i_json_set(map, "one_scatter", json_boolean(r->answer->one_scatter), good);
-    ph_i_json_set(map, "grids", grids, good);
     ph_i_json_set(map, "pilots", pilots, good);
     ph_i_json_set(map, "pilot_work", ph_i_json_number(r->answer->pilot_cost), good);
     ph_i_json_set(map, "candidates", candidates, good);

@@ -110,9 +110,9 @@ static void say_why(ph_campaign_sizes *r)
         return;
     }
     size_t at = (size_t)snprintf(r->why, sizeof r->why,
-                                 "no size meets %.3g%s within realisations.at_most: %.3g "
-                                 "of the edge comes nearest, "
-                                 "%.2g%s; its size adds %.2g +- %.2g%s",
+                                 "by the pilots so far no size meets %.3g%s: %.3g of the "
+                                 "edge comes nearest, %.2g%s; "
+                                 "its size adds %.2g +- %.2g%s",
                                  per * r->accuracy, unit, e->factor, per * c->error, unit,
                                  per * c->bias, per * c->bias_half_width, unit);
     if (a->factor_needed > 0 && at < sizeof r->why)
@@ -178,13 +178,8 @@ static ph_status make_campaign(const ph_i_chooser *s, ph_campaign **out, ph_erro
     char nodes[96];
     const char *more[PH_I_SIZE_SETS];
     size_t n = 0;
-    ptrdiff_t own[3];
     int axes = ph_i_fidelity_axes(s->c->point[0].c);
-    for (int a = 0; a < axes; a++) /* the size, on the grid that was chosen */
-        own[a] = best->grid == 0
-                     ? e->nodes[a]
-                     : ph_i_fidelity_round((double)r->nodes[best->grid][a] * e->factor);
-    ph_i_grid_set("nodes", own, axes, nodes, sizeof nodes);
+    ph_i_grid_set("nodes", e->nodes[best->grid], axes, nodes, sizeof nodes);
     more[n++] = o->set[0];
     more[n++] = nodes;
     if (o->set[2][0]) more[n++] = o->set[2];

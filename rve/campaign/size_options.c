@@ -104,14 +104,17 @@ static void describe(const ph_i_chooser *s, ptrdiff_t part, ptrdiff_t whole,
         (size_t)snprintf(o->folder, sizeof o->folder, "%s/sizes/", s->params->folder);
     for (int a = 0; a < 3; a++) {
         e->size[a] = part == whole || a >= axes ? c->size[a] : c->size[a] * e->factor;
-        e->nodes[a] = a < axes ? nodes_of(c->nodes[a], part, whole) : c->nodes[a];
+        for (int j = 0; j < s->report->ngrids; j++) {
+            ptrdiff_t own = s->report->nodes[j][a];
+            e->nodes[j][a] = a < axes ? nodes_of(own, part, whole) : own;
+        }
         if (a < axes) scaled[a] = drawing(c)[a] / whole * part;
         if (a < axes && at < sizeof o->folder)
             at += (size_t)snprintf(o->folder + at, sizeof o->folder - at, "%s%td",
-                                   a ? "x" : "", e->nodes[a]);
+                                   a ? "x" : "", e->nodes[0][a]);
     }
     size_set(e->size, axes, o->set[0], sizeof o->set[0]);
-    ph_i_grid_set("nodes", e->nodes, axes, o->set[1], sizeof o->set[1]);
+    ph_i_grid_set("nodes", e->nodes[0], axes, o->set[1], sizeof o->set[1]);
     if (c->drawn_on[0] > 0)
         ph_i_grid_set("drawn_on", scaled, axes, o->set[2], sizeof o->set[2]);
 }
@@ -164,10 +167,10 @@ static void add_grid(ph_i_chooser *s, double finer)
 
 void ph_i_options_make(ph_i_chooser *s)
 {
-    for (int i = 0; i < s->c->nfactors; i++)
-        add_option(s, s->c->factor[i]);
     for (int j = 0; j < (s->c->grid_error > 0 ? NGRIDS : 1); j++)
         add_grid(s, grids[j]);
+    for (int i = 0; i < s->c->nfactors; i++)
+        add_option(s, s->c->factor[i]);
 }
 
 /* ---- pilots ---- */

@@ -19,6 +19,10 @@ static void check_campaign(const ph_campaign *c)
     demand(c->noutputs >= 1 && c->noutputs <= PH_MAX_OUTPUTS);
     demand(c->judged >= -1 && c->judged < c->noutputs);
     demand(c->stopping.at_least <= c->stopping.at_most);
+    demand(c->nfactors == 0 || (c->nfactors >= 2 && c->judged >= 0));
+    demand(c->nfactors <= PH_SPLIT_SIZES && !c->sizes);
+    for (int i = 0; i + 1 < c->nfactors; i++)
+        demand(c->factor[i] > 0 && c->factor[i] < c->factor[i + 1]);
     for (int p = 0; p < c->npoints; p++) {
         demand(c->point[p].c != NULL);
         for (int k = 0; k < c->nkeys; k++)

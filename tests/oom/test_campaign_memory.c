@@ -2,15 +2,17 @@
 /* Reading a campaign and summing it up while memory runs out. */
 #define _XOPEN_SOURCE 700 /* nftw */
 #include "oom/countdown.h"
+#include "split_model.h"
 
 #include <ftw.h>
-#include <perihom_campaign.h>
 
 static struct {
     char folder[64];
     ph_campaign *c, *read;
     ph_campaign_result *result, *made;
     char *text;
+    ph_split_question question;
+    ph_split_answer *answer;
 } w;
 
 static const char text[] =
@@ -54,10 +56,16 @@ static ph_status to_json(void *user, ph_error *err)
     return ph_campaign_to_json(w.c, w.result, &w.text, err);
 }
 
+static ph_status choose(void *user, ph_error *err)
+{
+    (void)user;
+    return ph_split_choose(&w.question, &w.answer, err);
+}
+
 static bool untouched(const void *user)
 {
     (void)user;
-    return !w.read && !w.made && !w.text;
+    return !w.read && !w.made && !w.text && !w.answer;
 }
 
 static void done(void *user)
@@ -65,6 +73,7 @@ static void done(void *user)
     (void)user;
     ph_campaign_free(&w.read);
     ph_campaign_result_free(&w.made);
+    ph_split_answer_free(&w.answer);
     free(w.text);
     w.text = NULL;
 }
@@ -95,6 +104,10 @@ static void test_memory(void **state)
     countdown_run("ph_campaign_parse", read_campaign, untouched, done, NULL);
     countdown_run("ph_campaign_summarise", summarise, untouched, done, NULL);
     countdown_run("ph_campaign_to_json", to_json, untouched, done, NULL);
+    const split_model m = {2, 2, 0.01, 0.02, 0};
+    w.question = split_ask(&m, 1, 0.02, 3, 20);
+    countdown_run("ph_split_choose", choose, untouched, done, NULL);
+    split_clear(&w.question);
     CHECK_END();
 }
 

@@ -140,10 +140,10 @@ static void test_chosen_and_reached(void **state)
     /* 1 % at the case's edge is all of it: a larger one */
     CHECK(s->ntried >= 4 && s->size[s->tried[chosen(c)->size]].factor > 1);
     for (int i = 0; i < s->n; i++) { /* one spacing, and numbers that transform well */
-        CHECK_REL(s->size[i].size[0] / (double)s->size[i].nodes[0], 1, 1e-14);
-        CHECK(s->size[i].nodes[0] == s->size[i].nodes[1]);
+        CHECK_REL(s->size[i].size[0] / (double)s->size[i].nodes[0][0], 1, 1e-14);
+        CHECK(s->size[i].nodes[0][0] == s->size[i].nodes[0][1]);
     }
-    CHECK(c->point[0].c->nodes[0] == s->size[s->tried[chosen(c)->size]].nodes[0]);
+    CHECK(c->point[0].c->nodes[0] == s->size[s->tried[chosen(c)->size]].nodes[0][0]);
     /* the pilots are realisations of the campaign, and its first stage */
     int64_t pilots = s->size[s->tried[chosen(c)->size]].pilots;
     CHECK(c->stopping.at_least == pilots && r->point[0].output[0].n >= pilots);
@@ -291,7 +291,7 @@ static void test_shapes(void **state)
         CHECK(c->sizes->n == row[i].tried);
         for (int j = 0; j < row[i].tried; j++)
             CHECK_REL(c->sizes->size[j].factor, row[i].factor[j], 1e-15);
-        CHECK(memcmp(c->sizes->size[0].nodes, row[i].nodes, sizeof row[i].nodes) == 0);
+        CHECK(memcmp(c->sizes->size[0].nodes[0], row[i].nodes, sizeof row[i].nodes) == 0);
         ph_campaign_result_free(&r);
         ph_campaign_free(&c);
     }
@@ -428,6 +428,8 @@ static void test_real(void **state)
         const ph_case *one = c->point[0].c; /* the drawing has the spacing of the case */
         CHECK_REL(one->size[0] / (double)one->drawn_on[0], 1.0 / 24, 1e-14);
         CHECK(one->nodes[0] >= one->drawn_on[0]);
+        CHECK(memcmp(one->nodes, c->sizes->size[c->sizes->tried[x->size]].nodes[x->grid],
+                     sizeof one->nodes) == 0);
         ph_campaign_result_free(&r);
         ph_campaign_free(&c);
     }
