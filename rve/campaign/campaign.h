@@ -258,6 +258,8 @@ ph_status ph_i_campaign_reread(const ph_campaign *c, const char *const *sets,
 /** "microstructure.KEY=[128, 128]" */
 void ph_i_grid_set(const char *key, const ptrdiff_t *nodes, int axes, char *text,
                    size_t size);
+/** What is said where a total error is asked for and nothing is known of the grid. */
+extern const char ph_i_grid_words[];
 void ph_i_sizes_free(ph_campaign_sizes **sizes);
 /** variance.c: operations of a realisation, in node iterations. */
 double ph_i_work_of(const ph_case *one, const ph_quantity *output, int noutputs,

@@ -449,7 +449,7 @@ static ph_status check_params(const ph_campaign *c, const ph_campaign_params *p,
                  ph_i_open_words);
     PH_CHECK(!(c->relative_error > 0) || c->nmodels > 1 ||
                  c->stopping.relative_half_width > 0,
-             PH_EINVAL, "the error of the grid is not known: ph_campaign_settle");
+             PH_EINVAL, "%s", ph_i_grid_words);
     PH_CHECK(c->nfactors == 0 || (c->sizes && c->sizes->chosen), PH_EINVAL,
              "the size of the RVE is not chosen: ph_campaign_choose_size");
 out:

@@ -5,6 +5,11 @@
 #include <math.h>
 #include <string.h>
 
+const char ph_i_grid_words[] =
+    "realisations.until.relative_error: the case gives its nodes, and what they are off "
+    "is "
+    "not known: leave them out (ph_campaign_settle), or ask for relative_half_width, of "
+    "the mean on this grid";
 static const double least_left = 0.2; /* of the error, for the interval */
 
 static bool any_open(const ph_campaign *c)

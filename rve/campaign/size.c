@@ -262,6 +262,8 @@ static ph_status begin(ph_i_chooser *s, ph_error *err)
     ph_status st = PH_OK;
     const ph_campaign *c = s->c;
     const ph_stopping *rule = &c->stopping;
+    PH_CHECK(!(c->relative_error > 0) || rule->relative_half_width > 0, PH_EINVAL, "%s",
+             ph_i_grid_words);
     PH_ALLOC(s->report, 1, "the sizes");
     s->report->absolute = rule->half_width > 0;
     s->report->accuracy = rule->half_width > 0    ? rule->half_width

@@ -469,6 +469,15 @@ static void test_what_is_refused(void **state)
     CHECK(ph_campaign_choose_size(&c, NULL, 0, &p, NULL) == PH_OK);
     CHECK(c == same && !c->sizes); /* nothing to choose */
     CHECK(ph_campaign_choose_size(&c, NULL, 0, NULL, NULL) == PH_EINVAL);
+    ph_campaign_free(&c);
+    /* a total error on a grid that is given: nobody knows what the grid is off */
+    ph_error err = PH_ERROR_INIT;
+    c = campaign(disks,
+                 "size: auto\nset: {microstructure.nodes: [24, 24]}\nrealisations: "
+                 "{at_most: 99, until: {quantity: C11, relative_error: 0.1}}\n",
+                 PH_OK);
+    CHECK(ph_campaign_choose_size(&c, NULL, 0, &p, &err) == PH_EINVAL && !c->sizes);
+    CHECK(strstr(err.msg, "what they are off is not known") != NULL);
     CHECK(ph_campaign_choose_size(NULL, NULL, 0, &p, NULL) == PH_EINVAL);
     ph_campaign_free(&c);
     CHECK_END();
