@@ -239,6 +239,7 @@ typedef struct ph_campaign_progress {
     ph_interval mean;      /* of the judged (or first) output at `point` */
     int workers, threads;  /* processes, threads of each */
     const char *event;     /* something to say (a worker died), or NULL */
+    const char *stage;     /* "pilots at 0.7 of the edge", or NULL: the campaign itself */
 } ph_campaign_progress;
 
 /** How a campaign is run. Zeroed: all defaults. */
@@ -250,6 +251,7 @@ typedef struct ph_campaign_params {
     int shard, shards;  /* this is shard 1 .. shards of so many; 0: the whole campaign */
     bool retry_failed;  /* compute again what failed */
     double seconds;     /* wall clock that the call may take; 0: the campaign's budget */
+    const char *stage;  /* handed on to `progress` */
     /* Instead of ph_scenario_evaluate, in a worker process: e.g. known distributions. */
     ph_status (*evaluate)(void *user, const ph_scenario *scenario, int point,
                           ph_evaluation *out, ph_error *err);

@@ -19,9 +19,10 @@ static void describe(const campaign_talk *t, const ph_campaign_progress *now, ch
                  now->mean.half_width);
     if (now->failed > 0)
         snprintf(failed, sizeof failed, ", %lld failed", (long long)now->failed);
-    snprintf(text, size, "point %d of %d: %lld of %lld realisations%s%s, %s to go",
-             now->points_done, now->points, (long long)now->realisations,
-             (long long)now->wanted, mean, failed, to_go);
+    snprintf(text, size, "%s%spoint %d of %d: %lld of %lld realisations%s%s, %s to go",
+             now->stage ? now->stage : "", now->stage ? ": " : "", now->points_done,
+             now->points, (long long)now->realisations, (long long)now->wanted, mean,
+             failed, to_go);
 }
 
 bool campaign_step(void *user, const ph_campaign_progress *now)

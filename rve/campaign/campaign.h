@@ -12,6 +12,9 @@
 /* Pilots of a size of the RVE, at least. */
 enum { PH_I_PILOTS = 4 };
 
+/* A relative_error that is the accuracy of the case, while that is not read. */
+#define PH_I_OF_CASE (-1.0)
+
 /** The values that one key takes, and how it is varied. */
 typedef struct ph_i_axis {
     char *key;

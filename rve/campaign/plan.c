@@ -76,7 +76,7 @@ static void read_until(ph_i_reader *r, const ph_i_node *map, ph_campaign *c)
     if (total && (rel || abs))
         ph_i_complain(r, total, PH_EINVAL, "%s is given too: one of them",
                       rel ? keys[1] : keys[2]);
-    if (!rel && !abs && !total) ph_i_missing(r, map, keys[1], "%s", width);
+    if (!rel && !abs && !total) c->relative_error = PH_I_OF_CASE;
     if (confidence)
         ph_i_read_number(r, confidence, 1e-6, 1 - 1e-9,
                          "must lie between 0 and 1 (1e-6 to 1 - 1e-9)", &s->confidence);

@@ -224,6 +224,19 @@ out:
     return st;
 }
 
+/* `until` without a number: the accuracy of the case is the total error. */
+static void take_accuracy(ph_i_reader *r, const ph_i_node *root, ph_campaign *c,
+                          int point)
+{
+    static const char rule[] = "must be a number > 0, the half width of the interval; or "
+                               "the case has an accuracy, the total error";
+    const ph_i_node *map = ph_i_get(root, "realisations");
+    if (c->relative_error != PH_I_OF_CASE) return;
+    c->relative_error = c->point[point].c->accuracy.relative;
+    if (map && !(c->relative_error > 0))
+        ph_i_missing(r, ph_i_get(map, "until"), "relative_half_width", "%s", rule);
+}
+
 /* A total error needs what tells the error of the grid. */
 static void check_total(ph_i_reader *r, const ph_case_issues *issues,
                         const ph_campaign *c, int point)
@@ -255,6 +268,7 @@ static ph_status resolve(ph_i_reader *r, const ph_i_node *root, const ph_i_sweep
         goto out;
     }
     if (read == PH_OK) {
+        take_accuracy(r, root, c, point);
         check_outputs(r, root, c, point);
         PH_TRY(hash_point(c, point, err));
         PH_TRY(ph_i_levels_resolve(levels, point, (const char *const *)sets->item,

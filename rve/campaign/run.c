@@ -468,6 +468,7 @@ ph_status ph_campaign_run(const ph_campaign *c, const ph_campaign_params *params
     PH_TRY(ph_i_store_open(&e.store, params->folder, c, err));
     PH_TRY(prepare(&e, err));
     e.now.points = c->npoints;
+    e.now.stage = params->stage;
     if (anything_to_do(&e)) {
         double bytes = c->memory > 0 ? ph_i_crew_bytes(c, c->memory) : 0;
         PH_CHECK(bytes <= c->memory, PH_ENOCONV,

@@ -295,6 +295,7 @@ ph_status ph_i_pilots_solve(ph_i_chooser *s, ph_i_option *o, bool *good, ph_erro
     ph_campaign_size *e = &s->report->size[o->entry];
     ph_campaign_params p = *s->params;
     bool failed = false;
+    char stage[64];
     *good = false;
     st = open_option(s, o, &why);
     if (st == PH_EINVAL || st == PH_EUNPHYSICAL) {
@@ -310,6 +311,8 @@ ph_status ph_i_pilots_solve(ph_i_chooser *s, ph_i_option *o, bool *good, ph_erro
     }
     p.folder = o->folder;
     p.shard = p.shards = 0;
+    snprintf(stage, sizeof stage, "pilots at %.3g of the edge", e->factor);
+    p.stage = stage;
     if (isfinite(ph_i_time_left(s))) p.seconds = fmax(ph_i_time_left(s), 1e-3);
     if (st == PH_OK) st = ph_campaign_run(o->c, &p, &r, &why);
     ph_campaign_result_free(&r);

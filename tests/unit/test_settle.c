@@ -104,8 +104,13 @@ static void test_what_is_refused(void **state)
     CHECK(campaign("realisations: {at_most: 9, at_least: 5, until: {quantity: C11,\n"
                    "  relative_half_width: 0.1}}\n",
                    PH_EINVAL) == NULL);
+    /* without a number it is the accuracy of the case */
+    ph_campaign *c =
+        campaign("realisations: {at_most: 99, until: {quantity: C11}}\n", PH_OK);
+    CHECK(c && c->relative_error == 0.05);
+    ph_campaign_free(&c);
     /* not before it is settled */
-    ph_campaign *c = campaign(TOTAL, PH_OK);
+    c = campaign(TOTAL, PH_OK);
     ph_campaign_result *r = NULL;
     const ph_campaign_params params = {.folder = folder};
     CHECK(c && ph_campaign_run(c, &params, &r, &err) == PH_EINVAL && !r);
