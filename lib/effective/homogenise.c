@@ -167,6 +167,9 @@ static ph_status check_problem(const ph_problem *p, ph_error *err)
     double t = p->solver.tolerance;
     PH_CHECK(t == 0.0 || (t > 0.0 && t < 1.0), PH_EINVAL,
              "solver tolerance must be in (0, 1), got %g", t);
+    PH_CHECK(ph_i_precision_is_known(p->solver.precision), PH_EINVAL,
+             "unknown precision '%.40s': must be double, single or auto",
+             p->solver.precision);
     PH_CHECK(p->solver.max_iterations >= 0, PH_EINVAL,
              "max_iterations must not be negative, got %d", p->solver.max_iterations);
     PH_CHECK(isfinite(p->model.horizon) && p->model.horizon >= 0.0, PH_EINVAL,

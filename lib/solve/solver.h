@@ -71,6 +71,9 @@ void ph_i_fft_cg_leave(void *state, const double *x, double *work, double *u);
 extern const ph_entry ph_precisions[]; /* double, single, auto */
 extern const size_t ph_nprecisions;
 
+/** A name of ph_precisions[], or NULL? */
+bool ph_i_precision_is_known(const char *name);
+
 /** Which solver takes a system, in which precision, and why `auto` said so, or "". */
 typedef struct ph_solver_choice {
     const ph_solver_method *method;

@@ -188,7 +188,8 @@ static void test_refusals(void **state)
     }
     ph_error err = PH_ERROR_INIT;
     ph_result *res = NULL;
-    ph_problem p = {.micro = m, .solver = {.precision = "half"}};
+    ph_problem p = {
+        .micro = m, .solver = {.precision = "half"}, .constraint = {.kind = "voigt"}};
     CHECK(ph_homogenise(&p, &one_thread, &res, &err) == PH_EINVAL && !res);
     CHECK(strstr(err.msg, "'half'") && strstr(err.msg, "double, single or auto"));
     ph_microstructure_free(&m);
