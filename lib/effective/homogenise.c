@@ -373,7 +373,7 @@ void ph_i_run_account(ph_run *r, double start, double solving)
     res->work.bond_bits = r->broken ? ph_i_broken_bits(r->broken) : 0;
     if (!r->op) return;
     res->work.applications = r->op->applications;
-    res->work.ffts = ph_i_fft_count(r->op->fft);
+    res->work.ffts = ph_i_fft_count(r->op->fft) + r->op->ffts;
     res->work.collar = r->op->layout.cells - ph_grid_cells(&res->grid);
 }
 

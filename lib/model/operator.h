@@ -47,6 +47,7 @@ typedef struct ph_operator {
     double *pad;        /* stencil */
     double *hat, *hat2; /* [nd][modes] complex, where fields pass through Fourier space */
     long applications;
+    long ffts; /* of its fields by others than `fft`, which counts its own */
 } ph_operator;
 
 ph_status ph_i_operator_new(const ph_grid *box, const ph_stiffness_map *map,

@@ -48,6 +48,7 @@ static size_t field_size(const single *s)
 static void forward(single *s, const float *u, float *hat)
 {
     const ph_layout *l = &s->op->layout;
+    s->op->ffts += l->nd;
     for (int a = 0; a < l->nd; a++)
         ph_i_fft_forward_single(s->fft, u + a * l->cells, hat + 2 * a * s->op->modes);
 }
@@ -55,6 +56,7 @@ static void forward(single *s, const float *u, float *hat)
 static void backward(single *s, const float *hat, float *work, float *u)
 {
     const ph_layout *l = &s->op->layout;
+    s->op->ffts += l->nd;
     for (int a = 0; a < l->nd; a++)
         ph_i_fft_backward_single(s->fft, hat + 2 * a * s->op->modes,
                                  work + 2 * a * s->op->modes, u + a * l->cells);
@@ -250,6 +252,7 @@ static void enter(single *s, const double *load, double size)
 {
     const ph_layout *l = &s->op->layout;
     float *field = (float *)s->op->u;
+    s->op->ffts += l->nd;
     for (int a = 0; a < l->nd; a++) {
         for (ptrdiff_t x = 0; x < l->cells; x++)
             field[x] = (float)(load[a * l->cells + x] / size);

@@ -47,6 +47,7 @@ static json_t *chosen_json(const ph_fidelity *f, bool *good)
                   good);
     ph_i_json_set(map, "model.horizon", ph_i_json_number(r->horizon), good);
     ph_i_json_set(map, "solver.tolerance", json_real(f->tolerance), good);
+    ph_i_json_set(map, "solver.precision", ph_i_json_text(r->precision), good);
     ph_i_json_set(map, "extrapolated", json_boolean(f->improved), good);
     return map;
 }

@@ -93,6 +93,7 @@ static void test_memory(void **state)
         CHECK(ratio > 0.4); /* counted, all of it */
         CHECK(one->work.iterations == two->work.iterations);
         CHECK(one->work.applications == two->work.applications);
+        CHECK(one->work.ffts == two->work.ffts);
     }
     ph_result_free(&one);
     ph_result_free(&two);
