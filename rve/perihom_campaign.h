@@ -252,9 +252,6 @@ typedef struct ph_campaign_params {
     bool retry_failed;  /* compute again what failed */
     double seconds;     /* wall clock that the call may take; 0: the campaign's budget */
     const char *stage;  /* handed on to `progress` */
-    const char *const
-        *pilots;    /* ph_campaign_choose_size: folders (of shards) whose pilots */
-    size_t npilots; /* are taken where they are there */
     /* Instead of ph_scenario_evaluate, in a worker process: e.g. known distributions. */
     ph_status (*evaluate)(void *user, const ph_scenario *scenario, int point,
                           ph_evaluation *out, ph_error *err);

@@ -25,6 +25,7 @@ typedef struct ph_fidelity_plan {
     ptrdiff_t nodes[3];                  /* grid to begin with */
     bool fixed;                          /* the case gives the grid */
     double tolerance;                    /* of the solver */
+    double energy; /* share of its energy that the solver may leave; 0: tolerance alone */
     int nwhy;
     char why[PH_FIDELITY_WHY][200];
 } ph_fidelity_plan;
@@ -64,11 +65,11 @@ PH_API void ph_fidelity_free(ph_fidelity **fidelity);
 
 /** What ph_fidelity_solve will begin with, and why. Solves nothing.
  *
- *  The error of composite cells is expected to be slope / n with
+ *  The error of composite cells is expected to be slope / n sqrt(8 / n) with
  *
  *      slope = K ln(Voigt / Reuss) boundary,    K = 0.065 in 2D, 0.13 in 3D
  *
- *  measured on random cells (docs/accuracy-costs.md) with a scatter of 1.5; 2.4 times that where
+ *  measured on random cells (docs/accuracy-costs.md); 2.4 times that where
  *  cells hold the phase at their centre.
  *  @return PH_OK; PH_EINVAL (the case asks for no accuracy); as ph_rve_build.
  *  Tested: tests/unit/test_fidelity.c */
@@ -79,12 +80,12 @@ PH_API ph_status ph_fidelity_plan_case(const ph_case *c, ph_fidelity_plan *out,
  *
  *  A grid by the plan and one of about half its nodes; r the ratio of their nodes,
  *
- *      d = (C(n) - C(n/r)) / (r - 1),   offered C(n) + d/2,   error estimated as 0.8 |d|
+ *      d = (C(n) - C(n/r)) / (r^1.7 - 1),   offered C(n) + d,   error 1.8 |d|^0.7 e(n)^0.3
  *
- *  d is the error of C(n) under a first-order law, and half of it what is safe to take away.
- *  Where the estimate is larger than asked for, the next grid is the one that the law expects
- *  to be fine enough; the grid before is its companion. The tolerance of the solver falls
- *  where the columns of the tensor are not symmetric enough.
+ *  with e(n) the error that the plan expects. Where the estimate is larger than asked for, the
+ *  next grid is the one that is expected to be fine enough; the grid before is its companion.
+ *  The solver stops where a tenth of the accuracy is left of the energy; where that has no
+ *  bound, its tolerance falls until the columns of the tensor are symmetric enough.
  *  Settings that the case gives are kept.
  *  @param[out] out also with PH_ENOCONV, but where the budget is too small for any grid
  *  @return PH_OK: reached; PH_ENOCONV: the budget, or settings that are given, cannot meet the

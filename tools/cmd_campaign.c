@@ -79,8 +79,7 @@ typedef struct campaign {
     ph_campaign_params params;
     campaign_talk talk;
     ph_campaign_result *result;
-    glob_t shards; /* that are merged */
-    double used;   /* of the budget, before it runs */
+    double used; /* of the budget, before it runs */
     char *json;
 } campaign;
 
@@ -160,27 +159,28 @@ out:
     return st;
 }
 
-/* What to merge: the folders of the command line, or all shards of this campaign. */
-static ph_status find_parts(campaign *m, ph_error *err)
+/* The folders of the command line, or all shards of this campaign. */
+static ph_status merge(campaign *m, ph_error *err)
 {
     ph_status st = PH_OK;
     const text_list *operands = &m->options->operands;
+    if (operands->count > 1)
+        return ph_campaign_merge(m->c, m->dir, operands->item + 1, operands->count - 1,
+                                 &m->result, err);
     char pattern[2 * DESTINATION_PATH + 16];
     size_t n = 0;
-    if (!m->options->merge) return PH_OK;
-    m->params.pilots = operands->item + 1;
-    m->params.npilots = operands->count - 1;
-    if (operands->count > 1) return PH_OK;
+    glob_t found = {0};
     for (const char *at = m->dir; *at; at++) { /* its letters stand for themselves */
         if (strchr("*?[]\\", *at)) pattern[n++] = '\\';
         pattern[n++] = *at;
     }
     snprintf(pattern + n, sizeof pattern - n, "/shard-*-of-*");
-    PH_CHECK(glob(pattern, 0, NULL, &m->shards) == 0, PH_EIO,
+    PH_CHECK(glob(pattern, 0, NULL, &found) == 0, PH_EIO,
              "there is no %s/shard-*-of-* to merge", m->dir);
-    m->params.pilots = (const char *const *)m->shards.gl_pathv;
-    m->params.npilots = m->shards.gl_pathc;
+    PH_TRY(ph_campaign_merge(m->c, m->dir, (const char *const *)found.gl_pathv,
+                             found.gl_pathc, &m->result, err));
 out:
+    globfree(&found);
     return st;
 }
 
@@ -253,8 +253,7 @@ static ph_status run(campaign *m, ph_error *err)
     ph_status st = PH_OK;
     const campaign_options *o = m->options;
     if (o->merge)
-        st = ph_campaign_merge(m->c, m->dir, m->params.pilots, m->params.npilots,
-                               &m->result, err);
+        st = merge(m, err);
     else if (o->rebuild)
         st = ph_campaign_summarise(m->c, m->dir, &m->result, err);
     else
@@ -296,7 +295,6 @@ static int run_campaign(campaign *m)
     ph_error err = PH_ERROR_INIT, second = PH_ERROR_INIT;
     interrupt_install();
     ph_status st = choose_folder(m, &err);
-    if (st == PH_OK) st = find_parts(m, &err);
     if (st == PH_OK) st = settle(m, &err);
     prepare(m);
     if (st == PH_OK) st = choose_size(m, &err);
@@ -329,7 +327,6 @@ int cmd_campaign(int argc, char **argv)
     }
     ph_campaign_result_free(&m.result);
     ph_campaign_free(&m.c);
-    globfree(&m.shards);
     free(m.json);
     free(o.operands.item);
     free(o.set.item);

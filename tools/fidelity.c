@@ -30,8 +30,10 @@ void fidelity_print(FILE *to, const ph_fidelity *f)
         const ph_fidelity_step *s = &f->step[k];
         fprintf(to, "            ");
         put_nodes(to, f->settings.kinematics, s->nodes);
-        fprintf(to, " nodes, tolerance %.0e, %.2g operations, %s", s->tolerance,
-                s->operations, report_seconds(s->seconds, text));
+        fprintf(to, " nodes, %s %.0e, %.2g operations, %s",
+                f->plan.energy > 0 ? "energy to" : "tolerance",
+                f->plan.energy > 0 ? f->plan.energy : s->tolerance, s->operations,
+                report_seconds(s->seconds, text));
         if (isfinite(s->estimate))
             fprintf(to, ": error about %.2g %%", 100 * s->estimate);
         fputc('\n', to);

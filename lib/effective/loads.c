@@ -3,6 +3,7 @@
 #include <perihom/quantity.h>
 
 #include "effective/run.h"
+#include "effective/visco.h"
 
 #include <math.h>
 #include <string.h>
@@ -107,7 +108,8 @@ static const double second_order_contrast = 1e3, second_order_tolerance = 1e-4;
 bool ph_i_run_second_order(const ph_run *r)
 {
     return (r->map->contrast > second_order_contrast || r->broken ||
-            (ph_i_run_tolerance(r) > second_order_tolerance &&
+            ((ph_i_run_tolerance(r) > second_order_tolerance ||
+              r->problem->solver.energy > 0.0) &&
              !r->problem->nconstants)) &&
            !r->constraint->by_stress && !(r->op && r->op->bonds) &&
            (!r->problem->loads || r->problem->loads == ph_i_run_all_loads(r->result));
@@ -211,6 +213,45 @@ out:
     return st;
 }
 
+/* The softest phase in the metric of the reference medium, which a laminate is not below: the
+ * least eigenvalue of the preconditioned operator is not, either. 0: there is no bound. */
+static double least_eigenvalue(const ph_run *r)
+{
+    const ph_stiffness_map *map = r->map;
+    const int ns = map->ns;
+    double least = 1.0;
+    if (map->has_void || r->broken || r->classes || r->setting.source ||
+        r->setting.fixed || r->constraint->by_stress)
+        return 0.0;
+    for (int p = 0; p < map->materials; p++) {
+        ph_sym4 c = {.n = ns};
+        double low, high;
+        for (int i = 0; i < ns * ns; i++)
+            c.m[i / ns][i % ns] = map->c[(ptrdiff_t)p * ns * ns + i];
+        if (!map->used[p]) continue;
+        ph_i_visco_relative(&c, &map->middle, &low, &high);
+        least = fmin(least, low);
+    }
+    return fmax(0.0, least * (1.0 - 1e-9));
+}
+
+/* Energy of uniform strain, at u = 0; below that of Voigt, for cut cells are layers. */
+static double uniform_energy(const ph_stiffness_map *map, int load)
+{
+    double sum = 0.0;
+    for (ptrdiff_t x = 0; x < map->cells; x++)
+        sum += map->c[((ptrdiff_t)map->index[x] * map->ns + load) * map->ns + load];
+    return sum;
+}
+
+static void stop_by_energy(const ph_run *r, int load, ph_cg_report *report)
+{
+    if (!(r->problem->solver.energy > 0.0)) return;
+    report->least = least_eigenvalue(r);
+    report->energy_share = report->least > 0.0 ? r->problem->solver.energy : 0.0;
+    report->energy_start = uniform_energy(r->map, load);
+}
+
 static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error *err)
 {
     ph_status st = PH_OK;
@@ -223,6 +264,7 @@ static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error
         ph_i_operator_load(r->op, macro, r->load);
     else
         ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
+    stop_by_energy(r, load, &report);
     st = solve_for(r, !macro, r->first[load], &report, err);
     res->iterations[res->nloads] = report.iterations;
     res->residual[res->nloads++] = report.residual;

@@ -195,6 +195,7 @@ static json_t *solver_to_json(const ph_solver_params *s, bool *good)
     ph_i_json_set(map, "kind", json_string(s->kind ? s->kind : "auto"), good);
     ph_i_json_set(map, "tolerance", json_real(s->tolerance > 0 ? s->tolerance : 1e-6),
                   good);
+    if (s->energy > 0) ph_i_json_set(map, "energy", json_real(s->energy), good);
     ph_i_json_set(map, "max_iterations",
                   json_integer(s->max_iterations > 0 ? s->max_iterations : 2000), good);
     ph_i_json_set(map, "precision", json_string(s->precision ? s->precision : "double"),

@@ -11,7 +11,7 @@ static const char *const horizon_keys[] = {"length"};
 static const char *const power_law_keys[] = {"power_law"};
 static const char *const stabilisation_keys[] = {"spectral", "subpoint"};
 static const char *const constraint_keys[] = {"kind", "collar"};
-static const char *const solver_keys[] = {"kind", "tolerance", "max_iterations",
+static const char *const solver_keys[] = {"kind", "tolerance", "energy", "max_iterations",
                                           "precision"};
 
 static void read_kind(ph_i_reader *r, const ph_i_node *node, ph_model_params *model)
@@ -211,6 +211,9 @@ void ph_i_read_solver(ph_i_reader *r, const ph_i_node *node)
     if ((child = ph_i_get(node, "tolerance")))
         ph_i_read_number(r, child, 0, 1, "the relative residual must be > 0 and < 1",
                          &solver->tolerance);
+    if ((child = ph_i_get(node, "energy")))
+        ph_i_read_number(r, child, 0, 1, "the share of the energy must be > 0 and < 1",
+                         &solver->energy);
     if ((child = ph_i_get(node, "max_iterations")))
         ph_i_read_integer(r, child, 1, 1000000000, "must be an integer from 1 to 1e9",
                           &iterations);

@@ -48,8 +48,11 @@ typedef struct ph_model_params {
 
 /** How the equations are solved. Zeroed: all defaults. */
 typedef struct ph_solver_params {
-    const char *kind;      /* in ph_solvers[]; NULL or "auto" */
-    double tolerance;      /* relative residual; 0: 1e-6 */
+    const char *kind; /* in ph_solvers[]; NULL or "auto" */
+    double tolerance; /* relative residual; 0: 1e-6 */
+    double energy;    /* > 0: conjugate gradients of periodic loads may stop before, once
+                            * their last steps lowered the energy of the error by no more than
+                            * this share of that of the effective medium */
     int max_iterations;    /* 0: 2000 */
     const char *precision; /* of the iterates: "double" (NULL), "single" or "auto", as in
                             * `perihom list precisions`; docs/theory/solvers.md */

@@ -107,6 +107,9 @@ ph_status PH_REAL(ph_i_cg)(const PH_REAL(ph_linear) * s, real *x, real *r, real 
             return ph_i_give_up(PH_ENOCONV, rep, "not converged", err);
         s->precondition(s->self, r, q); /* z lives in q until A p is there */
         double rz_new = PH_REAL(ph_i_dot)(space, r, q);
+        if (rep->energy_share > 0.0)
+            rep->energy_most =
+                rep->energy_share * fmax(rep->energy_start - rep->energy, 0.0);
         if (bound_energy(&bound, rz_new, rep) || converged) return PH_OK;
         PH_REAL(ph_i_direction)(space, rep->iterations ? rz_new / rz : 0.0, q, p);
         rz = rz_new;

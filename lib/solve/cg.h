@@ -38,6 +38,9 @@ typedef struct ph_cg_report {
      * before them but for what later ones would add [Golub2010]; at most
      * PH_CG_LOOK_BACK */
     int look_back;
+    /* in: > 0: energy_most is this share of energy_start - x_k.A.x_k, with the energy at x = 0
+     * that of the effective medium */
+    double energy_share, energy_start;
     double energy; /* out: x_k.A.x_k = x.A.x - energy_left, where nothing is guessed */
     double energy_left; /* out: upper bound, or 0 where a solver is not this one */
 } ph_cg_report;

@@ -180,8 +180,10 @@ ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
     const fft_cg *s = state;
     double scale = s->fixed ? 1.0 : (double)s->op->layout.cells;
     report->energy_most *= scale;
+    report->energy_start *= scale;
     ph_status st = ph_i_cg(&system, v[0], v[1], v[2], v[3], report, err);
     report->energy_most /= scale;
+    report->energy_start /= scale;
     report->energy /= scale;
     report->energy_left /= scale;
     ph_i_fft_cg_leave(state, v[0], v[3], u);

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
-#include <unistd.h>
+#include <time.h>
 
 /* Of the edge: how far a size may be from what is asked for, and what a grid that transforms
  * slowly, or has another spacing, counts for. */
@@ -285,27 +285,6 @@ out:
     return st;
 }
 
-/* Pilots that other folders have already. */
-static ph_status take_known(const ph_i_chooser *s, const ph_i_option *o, ph_error *err)
-{
-    ph_status st = PH_OK;
-    const ph_campaign_params *p = s->params;
-    for (size_t i = 0; i < p->npilots; i++) {
-        char path[1100], file[1200];
-        const char *const from[] = {path};
-        ph_campaign_result *r = NULL;
-        snprintf(path, sizeof path, "%s%s", p->pilots[i], o->folder + strlen(p->folder));
-        snprintf(file, sizeof file, "%s/realisations.jsonl", path);
-        if (access(file, F_OK) != 0) continue;
-        st = ph_campaign_merge(o->c, o->folder, from, 1, &r, err);
-        ph_campaign_result_free(&r);
-        if (st == PH_EPARTIAL) st = PH_OK;
-        PH_TRY(st);
-    }
-out:
-    return st;
-}
-
 /* Realisations of one size. It is left out where the case cannot be had in this size; its own
  * size may have realisations that fail, as in any campaign. */
 ph_status ph_i_pilots_solve(ph_i_chooser *s, ph_i_option *o, bool *good, ph_error *err)
@@ -335,7 +314,6 @@ ph_status ph_i_pilots_solve(ph_i_chooser *s, ph_i_option *o, bool *good, ph_erro
     snprintf(stage, sizeof stage, "pilots at %.3g of the edge", e->factor);
     p.stage = stage;
     if (isfinite(ph_i_time_left(s))) p.seconds = fmax(ph_i_time_left(s), 1e-3);
-    if (st == PH_OK) st = take_known(s, o, &why);
     if (st == PH_OK) st = ph_campaign_run(o->c, &p, &r, &why);
     ph_campaign_result_free(&r);
     if (st == PH_OK || st == PH_EPARTIAL) {

@@ -9,8 +9,12 @@
 /* Error of a grid over ln(Voigt / Reuss) boundary / n: docs/accuracy-costs.md. */
 static const double slope_2d = 0.065, slope_3d = 0.13;
 static const double node_centre = 2.4; /* error of node centres over that of cut cells */
-/* The offered value is better than its grid: nodes that are enough, of those of the law. */
-static const double enough = 0.7;
+/* Up to here errors fall faster than the law: slope / n sqrt(few / n). */
+static const double few = 8;
+/* Nodes for this share of the accuracy, which is that of the grid, what is offered being
+ * better. */
+static const double enough = 1 / 1.2;
+static const double for_solver = 0.1;  /* of the accuracy, in energy */
 static const double most_spread = 6.9; /* ln 1000: voids have no Reuss bound */
 static const double high_contrast = 1e3;
 enum { FEWEST = 6, FEWEST_CRACKED = 24, MOST = 65536 };
@@ -138,9 +142,14 @@ double ph_i_fidelity_contrast(const ph_case *c)
     return stiffest / softest;
 }
 
+double ph_i_fidelity_expected(const ph_fidelity_plan *p, double n)
+{
+    return p->slope / n * sqrt(few / n);
+}
+
 static void choose_grid(const ph_case *c, ph_fidelity_plan *p)
 {
-    double n = enough * p->slope / p->accuracy;
+    double n = pow(sqrt(few) * p->slope / (enough * p->accuracy), 2.0 / 3.0);
     ptrdiff_t least = c->ncracks > 0 ? FEWEST_CRACKED : FEWEST;
     if (c->nfillers > 0) { /* the grid shows the fillers */
         ptrdiff_t drawn = ph_i_fidelity_longest(c->drawn_on);
@@ -155,24 +164,42 @@ static void choose_grid(const ph_case *c, ph_fidelity_plan *p)
     ph_i_fidelity_grid(c, ph_i_fidelity_round(fmax(n, (double)least)), p->nodes);
     ph_i_fidelity_say(p,
                       "ln(Voigt/Reuss) %.3g and a boundary in %.3g/n of the cells: error "
-                      "about %.2g/n on n nodes",
+                      "about %.2g/n sqrt(8/n) on n nodes",
                       p->spread, p->boundary, p->slope);
     if (c->ncracks > 0) ph_i_fidelity_say(p, "cracks: at least %d nodes", FEWEST_CRACKED);
     if (c->nfillers > 0)
         ph_i_fidelity_say(p, "fillers are drawn on a grid: no coarser one shows them");
 }
 
-static void choose_rest(const ph_case *c, ph_fidelity_plan *p)
+/* The bound of its energy is there for pristine periodic cells without voids. */
+static bool energy_is_bounded(const ph_case *c, double contrast)
+{
+    const char *constraint = c->constraint.kind;
+    return isfinite(contrast) && c->ncracks == 0 && strcmp(c->model.kind, "bond") != 0 &&
+           (!constraint || strcmp(constraint, "periodic") == 0);
+}
+
+static void choose_tolerance(const ph_case *c, ph_fidelity_plan *p)
 {
     double contrast = ph_i_fidelity_contrast(c);
     p->tolerance = c->solver.tolerance;
-    if (!(c->accuracy.given & PH_SETTING_TOLERANCE)) {
-        bool high = contrast > high_contrast;
-        p->tolerance = fmin(high ? 1e-3 : 3e-2, high ? 0.1 * p->accuracy : p->accuracy);
-        p->tolerance = fmax(p->tolerance, 1e-10);
-        ph_i_fidelity_say(p, "tolerance %.1g: the energy is off by its square%s",
-                          p->tolerance, high ? ", contrast above 1000" : "");
+    if (c->accuracy.given & PH_SETTING_TOLERANCE) return;
+    if (energy_is_bounded(c, contrast)) {
+        p->energy = for_solver * p->accuracy;
+        ph_i_fidelity_say(p, "solved until %.1g of the energy is left at most",
+                          p->energy);
+        return;
     }
+    bool high = contrast > high_contrast;
+    p->tolerance = fmin(high ? 1e-3 : 3e-2, high ? 0.1 * p->accuracy : p->accuracy);
+    p->tolerance = fmax(p->tolerance, 1e-10);
+    ph_i_fidelity_say(p, "tolerance %.1g: the energy is off by its square%s",
+                      p->tolerance, high ? ", contrast above 1000" : "");
+}
+
+static void choose_rest(const ph_case *c, ph_fidelity_plan *p)
+{
+    choose_tolerance(c, p);
     if (!(c->accuracy.given & PH_SETTING_PRECISION))
         ph_i_fidelity_say(p, "precision auto: single where it was measured to take less "
                              "time and memory; the result says which");

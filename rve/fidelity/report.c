@@ -48,6 +48,8 @@ static json_t *chosen_json(const ph_fidelity *f, bool *good)
     ph_i_json_set(map, "model.horizon", ph_i_json_number(r->horizon), good);
     ph_i_json_set(map, "solver.tolerance", json_real(f->tolerance), good);
     ph_i_json_set(map, "solver.precision", ph_i_json_text(r->precision), good);
+    if (f->plan.energy > 0)
+        ph_i_json_set(map, "solver.energy", json_real(f->plan.energy), good);
     ph_i_json_set(map, "extrapolated", json_boolean(f->improved), good);
     return map;
 }

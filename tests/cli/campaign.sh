@@ -115,7 +115,6 @@ check "... --rebuild" same sized2 sized
 for k in 2 1; do size -o sized3 --shard $k/2 -j 1; done
 size -o sized3 --merge
 check "... two shards, merged: the same" same sized3 sized
-check "... with the pilots of the shards" test "$(cat sized3/sizes/*/costs.csv | grep -vc point)" -eq 0
 size -o sized4 --rebuild
 check "... nothing to rebuild: exit code 5" test $? -eq 5
 check "... and no folder" test ! -e sized4

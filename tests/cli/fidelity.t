@@ -1,8 +1,8 @@
 # An accuracy in place of settings.
 $ grep -v nodes: small.yaml > auto.yaml; printf 'accuracy: {relative: 0.01, constants: [E1, G12]}\nbudget: {seconds: 60, memory: 1e9}\n' >> auto.yaml; perihom check auto.yaml | grep -A 2 '^# accuracy'
-> # accuracy 1 %: begins with 12 x 12 nodes and a grid of about half of them
+> # accuracy 1 %: begins with 16 x 16 nodes and a grid of about half of them
 > # ln(Voigt/Reuss) * error about * nodes
-> # tolerance *
+> # solved until 0.001 of the energy *
 
 # What check prints is the case again.
 $ perihom check auto.yaml > resolved.yaml; perihom check resolved.yaml | diff resolved.yaml -
@@ -11,8 +11,8 @@ $ perihom run auto.yaml
 > Small
 > *
 > accuracy    1 % asked for, error about 0.* %
->             6 x 6 nodes, tolerance 1e-02, * operations, * s
->             * nodes, tolerance 1e-02, * operations, * s: error about * %
+>             8 x 8 nodes, energy to 1e-03, * operations, * s
+>             * nodes, energy to 1e-03, * operations, * s: error about * %
 > *why         *
 ! *perihom: result in auto-results/
 
