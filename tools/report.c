@@ -130,9 +130,10 @@ static void put_stiffness(FILE *to, const char *stress, const ph_result *r)
             n == 6 ? "11 22 33 23 13 12" : "11 22 12");
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
-            double x = voigt[i * n + j];
-            if (!(r->loads & 1u << j))
-                fprintf(to, " %10s", "-"); /* this load was not asked for */
+            bool solved = r->loads >> j & 1u; /* else the other index may be, */
+            double x = solved ? voigt[i * n + j] : voigt[j * n + i]; /* by symmetry */
+            if (!solved && !(r->loads >> i & 1u))
+                fprintf(to, " %10s", "-"); /* neither load was asked for */
             else /* round-off beside the large entries is noise */
                 fprintf(to, " %10.5g", fabs(x) < 1e-9 * largest ? 0.0 : x);
         }

@@ -74,14 +74,18 @@ ph_sym4 ph_sym4_isotropic(double E, double nu)
 }
 
 /* Lower Cholesky factor of the symmetric part; false if it is not positive definite. A
- * pivot that has lost all its digits against its own diagonal entry counts as zero. */
+ * pivot that is round-off of the largest diagonal entry counts as zero: what is left of a
+ * severed cell is such a tensor, and its own small diagonal is no measure. */
 static bool cholesky(const ph_sym4 *c, double L[6][6])
 {
+    double largest = 0.0;
+    for (int j = 0; j < c->n; j++)
+        largest = fmax(largest, c->m[j][j]);
     for (int j = 0; j < c->n; j++) {
         double pivot = c->m[j][j];
         for (int k = 0; k < j; k++)
             pivot -= L[j][k] * L[j][k];
-        if (!(pivot > 16.0 * DBL_EPSILON * c->m[j][j]) || !isfinite(pivot)) return false;
+        if (!(pivot > 16.0 * DBL_EPSILON * largest) || !isfinite(pivot)) return false;
         L[j][j] = sqrt(pivot);
         for (int i = j + 1; i < c->n; i++) {
             double s = 0.5 * (c->m[i][j] + c->m[j][i]);
@@ -99,7 +103,8 @@ ph_status ph_sym4_inverse(const ph_sym4 *c, ph_sym4 *inv, ph_error *err)
     ph_status st = PH_OK;
     const int n = c->n;
     double L[6][6] = {{0}}, M[6][6] = {{0}}; /* M = L^-1 */
-    PH_CHECK(cholesky(c, L), PH_ESINGULAR, "tensor is not positive definite: no inverse");
+    PH_CHECK(cholesky(c, L), PH_ESINGULAR,
+             "the tensor is singular or not positive definite: no inverse");
     for (int j = 0; j < n; j++) {
         M[j][j] = 1.0 / L[j][j];
         for (int i = j + 1; i < n; i++) {

@@ -270,8 +270,13 @@ static ph_status put_stiffness(draft_document *d, json_t *effective, const char 
     ph_status st = PH_OK;
     ph_sym4 c = d->result->stiffness;
     char why[128];
-    for (int k = 0; k < 36; k++)
-        if (!(d->result->loads >> (k % 6) & 1u)) c.m[k / 6][k % 6] = NAN;
+    for (int i = 0; i < c.n; i++)
+        for (int j = 0; j < c.n; j++) {
+            if (d->result->loads >> j & 1u) continue;
+            bool mirrored =
+                d->result->loads >> i & 1u; /* the column of the other index */
+            c.m[i][j] = mirrored ? c.m[j][i] : (double)NAN;
+        }
     PH_TRY(put_matrix(d, effective, "effective.stiffness", "stiffness", &c, true, err));
     if (!missing[0]) goto out;
     snprintf(why, sizeof why, "load cases %s were not solved", missing);

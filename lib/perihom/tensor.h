@@ -44,7 +44,8 @@ PH_API ph_sym4 ph_sym4_isotropic(double E, double nu);
 PH_API ph_sym4 ph_sym4_isotropic_kg(double K, double G);
 
 /** Inverse of a symmetric positive definite tensor.
- *  @return PH_OK; PH_ESINGULAR if it is not positive definite. `inv` may be `c`. */
+ *  @return PH_OK; PH_ESINGULAR if it is not positive definite, or if a pivot is round-off
+ *  (4e-15) of the largest diagonal entry. `inv` may be `c`. */
 PH_API ph_status ph_sym4_inverse(const ph_sym4 *c, ph_sym4 *inv, ph_error *err);
 /** Smallest and largest eigenvalue of the symmetric part; either may be NULL. */
 PH_API void ph_sym4_eigenvalues(const ph_sym4 *c, double *smallest, double *largest);

@@ -205,7 +205,7 @@ static void test_plane_has_only_its_own_constants(void **state)
     CHECK_END();
 }
 
-static void test_unsolved_loads_are_null_columns(void **state)
+static void test_unsolved_loads_are_null(void **state)
 {
     (void)state;
     ph_microstructure *micro = sample_micro(PH_SPACE);
@@ -222,6 +222,8 @@ static void test_unsolved_loads_are_null_columns(void **state)
         snprintf(path, sizeof path, "effective.stiffness.%d.%d", k / 6, k % 6);
         if (k % 6 == 0 || k % 6 == 5)
             check_number(root, path, voigt[k]);
+        else if (k / 6 == 0 || k / 6 == 5) /* C16 beside C61: the tensor is symmetric */
+            check_number(root, path, voigt[k % 6 * 6 + k / 6]);
         else
             CHECK(json_is_null(at(root, path)));
     }
@@ -282,7 +284,7 @@ int main(void)
         cmocka_unit_test(test_solver_quality_cost_notes),
         cmocka_unit_test(test_case_title_units_seed),
         cmocka_unit_test(test_plane_has_only_its_own_constants),
-        cmocka_unit_test(test_unsolved_loads_are_null_columns),
+        cmocka_unit_test(test_unsolved_loads_are_null),
         cmocka_unit_test(test_what_is_not_a_number_is_null_with_a_reason),
         cmocka_unit_test(test_refuses_what_it_cannot_write),
     };

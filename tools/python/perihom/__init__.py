@@ -350,7 +350,7 @@ class Fields:
 
 
 class Result:
-    """What a solve gave. Columns of loads that were not solved are NaN in `stiffness`."""
+    """What a solve gave. What belongs to no load that was solved is NaN in `stiffness`."""
 
     def __init__(self, pointer, case: Optional[Case], micro: Microstructure):
         self._c = _owned(pointer, "ph_result", lib.ph_result_free)
@@ -378,7 +378,9 @@ class Result:
     def stiffness(self) -> np.ndarray:
         """Effective stiffness, Voigt, engineering shear, units of the case."""
         D = _voigt(self._c.stiffness)
-        D[:, [not self._c.loads >> a & 1 for a in range(len(D))]] = np.nan
+        missing = np.array([not self._c.loads >> a & 1 for a in range(len(D))])
+        D[:, missing] = D.T[:, missing]  # the tensor is symmetric
+        D[np.ix_(missing, missing)] = np.nan
         return D
 
     @property
