@@ -5,6 +5,7 @@
 
 #include <jansson.h>
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -250,10 +251,12 @@ ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err)
 {
     ph_status st = PH_OK;
     bool good = true;
+    errno = 0; /* jansson gives NULL for either reason; malloc says which */
     json_t *map = case_to_json(c, &good);
+    PH_CHECK((good && map) || errno != ENOMEM, PH_ENOMEM,
+             "no memory for the JSON of the case");
     PH_CHECK(good && map, PH_EINVAL,
-             "this case cannot be written: a number is not finite, a "
-             "text not UTF-8, or there is no memory");
+             "this case cannot be written: a number is not finite or a text not UTF-8");
     *out = map;
     map = NULL;
 out:

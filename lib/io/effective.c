@@ -205,13 +205,11 @@ ph_status ph_effective_parse(const char *text, size_t length, const char *name,
                              ph_effective **out, ph_error *err)
 {
     ph_status st = PH_OK;
-    json_error_t why;
     json_t *root = NULL;
     ph_effective *e = NULL;
     PH_CHECK(text && out, PH_EINVAL, "no document");
     *out = NULL;
-    root = json_loadb(text, length, JSON_REJECT_DUPLICATES, &why);
-    PH_CHECK(root, PH_EINVAL, "%s:%d: not JSON: %s", name, why.line, why.text);
+    PH_TRY(ph_i_json_parse(text, length, name, &root, err));
     PH_ALLOC(e, 1, "the effective material");
     st = take_document(root, e, err);
     if (st != PH_OK) {

@@ -3,6 +3,7 @@
 
 #include "io/text.h"
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -98,6 +99,45 @@ ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err)
     }
     *text = g.text;
     return PH_OK;
+}
+
+/* ---- parsing ---- */
+
+typedef struct source {
+    const char *text;
+    size_t left;
+    bool failed; /* memory ran out */
+} source;
+
+/* One byte a call: jansson (2.14) goes on with a byte less where its buffer of a token cannot
+ * grow, and reads the number or the name that is left. The next byte that it wants tells. */
+static size_t next_byte(void *to, size_t size, void *user)
+{
+    source *s = user;
+    s->failed = s->failed || errno == ENOMEM;
+    if (s->failed) return (size_t)-1;
+    if (size == 0 || s->left == 0) return 0;
+    *(char *)to = *s->text++;
+    s->left--;
+    return 1;
+}
+
+ph_status ph_i_json_parse(const char *text, size_t length, const char *name,
+                          json_t **document, ph_error *err)
+{
+    ph_status st = PH_OK;
+    source s = {text, length, false};
+    json_error_t why;
+    errno = 0; /* jansson does not tell want of memory from a mistake; malloc does */
+    json_t *root = json_load_callback(next_byte, &s, JSON_REJECT_DUPLICATES, &why);
+    PH_CHECK(!s.failed && (root || errno != ENOMEM), PH_ENOMEM,
+             "%s: no memory for the document", name);
+    PH_CHECK(root, PH_EINVAL, "%s:%d: not JSON: %s", name, why.line, why.text);
+    *document = root;
+    root = NULL;
+out:
+    json_decref(root);
+    return st;
 }
 
 void ph_i_json_set(json_t *object, const char *key, json_t *value, bool *good)

@@ -28,6 +28,11 @@ ph_status ph_i_json_put_number(json_t *obj, const char *path, const char *key, d
 /** The document as text with 17 digits, malloc'd. */
 ph_status ph_i_json_dump(const json_t *document, char **text, ph_error *err);
 
+/** A document from text, a new reference. @param[in] name of the file, for the message
+ *  @return PH_OK; PH_EINVAL where it is not JSON or has a key twice; PH_ENOMEM */
+ph_status ph_i_json_parse(const char *text, size_t length, const char *name,
+                          json_t **document, ph_error *err);
+
 /** The result document (result_json.c), a new reference. */
 ph_status ph_i_result_document(const ph_result *result, const ph_case *c,
                                const char *command, json_t **document, ph_error *err);
@@ -38,7 +43,7 @@ void ph_i_json_set(json_t *object, const char *key, json_t *value, bool *good);
 void ph_i_json_append(json_t *list, json_t *value, bool *good);
 json_t *ph_i_json_numbers(const double *x, ptrdiff_t n, bool *good);
 
-/** The resolved case (case_json.c). PH_EINVAL where it holds what JSON cannot. */
+/** The resolved case (case_json.c). PH_EINVAL where it holds what JSON cannot; PH_ENOMEM. */
 ph_status ph_i_case_json(const ph_case *c, json_t **out, ph_error *err);
 /** `microstructure.fillers` (case_fillers_json.c); *good turns false where it fails. */
 json_t *ph_i_fillers_to_json(const ph_case *c, bool *good);

@@ -21,11 +21,6 @@ ph_status ph_i_fit_read_data(ph_i_reader *r, const ph_i_node *node, const char *
 ph_status ph_i_fit_case(const ph_fit_file *file, int point, const double *unknown,
                         ph_case **out, ph_case_issues *issues, ph_error *err);
 
-/* ---- file_json.c */
-
-/** The case without any unknown put in. */
-ph_status ph_i_fit_base_json(const ph_fit_file *file, json_t **out, ph_error *err);
-
 /* ---- journal.c: what was solved, one line a realisation */
 
 /** Realisation of the model: `place` are the values of keys, then unknowns. */

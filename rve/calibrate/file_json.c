@@ -227,16 +227,6 @@ static void put_fit(json_t *doc, const ph_fit_file *file, const ph_fit *fit, boo
     put(doc, "notes", notes_json(fit, good), good);
 }
 
-/* A case that was read can be written: what fails is memory. */
-ph_status ph_i_fit_base_json(const ph_fit_file *file, json_t **out, ph_error *err)
-{
-    ph_status st = PH_OK;
-    PH_CHECK(ph_i_case_json(file->base, out, NULL) == PH_OK, PH_ENOMEM,
-             "no memory for the JSON of the case");
-out:
-    return st;
-}
-
 ph_status ph_fit_to_json(const ph_fit_file *file, const ph_fit *fit, const char *command,
                          char **json, ph_error *err)
 {
@@ -250,7 +240,7 @@ ph_status ph_fit_to_json(const ph_fit_file *file, const ph_fit *fit, const char 
     put(doc, "data_file", ph_i_json_text(file->data_path), &good);
     put_fit(doc, file, fit, &good);
     PH_CHECK(good, PH_ENOMEM, "no memory for the document of a calibration");
-    PH_TRY(ph_i_fit_base_json(file, &part, err));
+    PH_TRY(ph_i_case_json(file->base, &part, err));
     st = ph_i_json_put(doc, "case", part, err);
     part = NULL;
     PH_TRY(st);

@@ -39,7 +39,7 @@ static ph_status header(const ph_fit_file *f, json_t **out, ph_error *err)
     json_t *h = json_object(), *c = NULL, *names = NULL;
     PH_CHECK(h, PH_ENOMEM, "no memory for a journal");
     PH_TRY(ph_i_json_put(h, "schema", json_string(SCHEMA), err));
-    PH_TRY(ph_i_fit_base_json(f, &c, err));
+    PH_TRY(ph_i_case_json(f->base, &c, err));
     st = ph_i_json_put(h, "case", c, err);
     c = NULL;
     PH_TRY(st);

@@ -18,6 +18,8 @@
 
 #include "check.h"
 
+#include <errno.h>
+
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
 void *__real_realloc(void *p, size_t size);
@@ -78,6 +80,7 @@ static bool countdown_fails(void)
     if (!countdown.armed || countdown.left-- > 0) return false;
     countdown.fired = true;
     countdown.left = 0x7fffffff; /* only this one */
+    errno = ENOMEM;              /* as POSIX has it */
     return true;
 }
 

@@ -72,6 +72,12 @@ static ph_status result_to_json(void *user, ph_error *err)
     return ph_result_to_json(w.result, NULL, "perihom run", &w.text, err);
 }
 
+static ph_status case_to_json(void *user, ph_error *err)
+{
+    (void)user;
+    return ph_case_to_json(&w.c, &w.text, err);
+}
+
 static ph_status write_fields(void *user, ph_error *err)
 {
     (void)user;
@@ -108,6 +114,11 @@ static void test_json(void **state)
     json_set_alloc_funcs(countdown_malloc, countdown_free);
     countdown_run("ph_result_to_json", result_to_json, outputs_untouched, free_outputs,
                   NULL);
+    countdown_run("ph_case_to_json", case_to_json, outputs_untouched, free_outputs, NULL);
+    w.c.solver.tolerance = INFINITY; /* this is no want of memory */
+    ph_error err = PH_ERROR_INIT;
+    CHECK(ph_case_to_json(&w.c, &w.text, &err) == PH_EINVAL && strstr(err.msg, "finite"));
+    w.c.solver.tolerance = 0;
     CHECK_END();
 }
 
