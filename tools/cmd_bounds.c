@@ -279,7 +279,8 @@ int cmd_bounds(int argc, char **argv)
     int code = options_parse(&bounds_verb, argc, argv, &o);
     if (code < 0) {
         code = case_load(o.operands.item[0], &o.set, &c);
-        if (code == 0 && run_bounds(c, o.json, &err) != PH_OK) code = talk_error(&err);
+        if (code == 0 && run_bounds(c, o.json, &err) != PH_OK)
+            code = talk_case_error(o.operands.item[0], &o.set, &err);
     }
     ph_case_free(&c);
     free(o.operands.item);

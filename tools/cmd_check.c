@@ -226,7 +226,8 @@ int cmd_check(int argc, char **argv)
     int code = options_parse(&check_verb, argc, argv, &o);
     if (code < 0) {
         code = case_load(o.operands.item[0], &o.set, &c);
-        if (code == 0 && check_case(c, o.json, &err) != PH_OK) code = talk_error(&err);
+        if (code == 0 && check_case(c, o.json, &err) != PH_OK)
+            code = talk_case_error(o.operands.item[0], &o.set, &err);
     }
     ph_case_free(&c);
     free(o.operands.item);

@@ -294,7 +294,8 @@ int cmd_generate(int argc, char **argv)
     int code = options_parse(&generate_verb, argc, argv, &o);
     if (code < 0) {
         code = case_load(o.operands.item[0], &o.set, &c);
-        if (code == 0 && generate(&o, c, &err) != PH_OK) code = talk_error(&err);
+        if (code == 0 && generate(&o, c, &err) != PH_OK)
+            code = talk_case_error(o.operands.item[0], &o.set, &err);
     }
     ph_case_free(&c);
     free(o.operands.item);

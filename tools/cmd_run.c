@@ -243,7 +243,7 @@ static int run_with(const run_options *o, const char *command)
         if (st == PH_ECANCELLED)
             talk("interrupted; no result is written");
         else if (st != PH_OK)
-            talk_error(&err);
+            talk_case_error(path, &o->set, &err);
     }
     run_free(&r);
     return code;

@@ -295,7 +295,7 @@ static int run_trade(trade *m)
     if (st == PH_ECANCELLED)
         talk("interrupted; the same command goes on");
     else if (st != PH_OK && !(said && !m->t))
-        talk_error(&err);
+        talk_case_error(m->params.path, &o->set, &err);
     return ph_status_exit_code(st);
 }
 

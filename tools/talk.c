@@ -31,6 +31,15 @@ int talk_error(const ph_error *err)
     return ph_status_exit_code(err->status);
 }
 
+int talk_case_error(const char *path, const text_list *sets, const ph_error *err)
+{
+    char text[1024];
+    if (!ph_case_error_text(path, sets->item, sets->count, err, text, sizeof text))
+        return talk_error(err);
+    fprintf(stderr, "%s\n", text);
+    return ph_status_exit_code(err->status);
+}
+
 void talk_issues(const char *path, const ph_case_issues *issues)
 {
     for (size_t i = 0; i < issues->count; i++) {

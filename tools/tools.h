@@ -46,6 +46,8 @@ bool talk_in_colour(FILE *to);
 /** Read a case; every complaint goes to stderr as FILE:LINE: message.
  *  @return 0, or the exit code with `out` NULL. */
 int case_load(const char *path, const text_list *sets, ph_case **out);
+/** talk_error, with file, line and key where the error is about one of a case. */
+int talk_case_error(const char *path, const text_list *sets, const ph_error *err);
 /** Complaints on stderr as FILE:LINE: message. */
 void talk_issues(const char *path, const ph_case_issues *issues);
 /** Whether a case has equations to solve: not for the bounds of Voigt and Reuss. */

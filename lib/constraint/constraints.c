@@ -142,10 +142,11 @@ static ph_status linear_displacement(const ph_problem *p, const ph_family *famil
         high[d] = inside && nodes ? rve->n[d] - margin[d]
                   : inside        ? rve->n[d] - margin[d] + 1
                                   : rve->n[d];
-        PH_CHECK(rve->n[d] == 1 || low[d] < high[d], PH_EINVAL,
-                 "linear_displacement leaves no free node along axis %d: %td nodes and a "
-                 "boundary volume of %d on each side",
-                 d + 1, rve->n[d], margin[d]);
+        PH_CHECK_KEY(
+            rve->n[d] == 1 || low[d] < high[d], PH_EINVAL, "constraint.kind",
+            "linear_displacement leaves no free node along axis %d: %td nodes and a "
+            "boundary volume of %d on each side",
+            d + 1, rve->n[d], margin[d]);
     }
     if (pairs) margin[0] = margin[1] = margin[2] = 0; /* the frame is as wide as a bond */
     if (inside)

@@ -27,6 +27,17 @@
         }                                                                                \
     } while (0)
 
+/* The same about a key of a case, "model.horizon": who has the case says where it stands. */
+#define PH_CHECK_KEY(cond, status, key, ...)                                             \
+    do {                                                                                 \
+        if (cond) {                                                                      \
+        } else {                                                                         \
+            st = PH_FAIL(err, (status), __VA_ARGS__);                                    \
+            ph_error_about(err, "%s", (key));                                            \
+            goto out;                                                                    \
+        }                                                                                \
+    } while (0)
+
 /* First of a public function: the arguments that must be there are. Nothing is held yet. */
 #define PH_GIVEN(cond)                                                                   \
     do {                                                                                 \

@@ -36,7 +36,7 @@ ph_status ph_error_set(ph_error *err, ph_status status, const char *file, int li
         err->status = status;
         err->file = file;
         err->line = line;
-        err->msg[0] = 0;
+        err->msg[0] = err->key[0] = 0;
         if (!fmt) return status;
         va_list ap;
         va_start(ap, fmt);
@@ -58,4 +58,13 @@ void ph_error_prefix(ph_error *err, const char *fmt, ...)
     if (n < 0) n = 0;
     if ((size_t)n < sizeof err->msg)
         snprintf(err->msg + n, sizeof err->msg - (size_t)n, "%s", old);
+}
+
+void ph_error_about(ph_error *err, const char *fmt, ...)
+{
+    if (!err || err->status == PH_OK || err->key[0] || !fmt) return;
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(err->key, sizeof err->key, fmt, ap);
+    va_end(ap);
 }

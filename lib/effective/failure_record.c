@@ -33,8 +33,8 @@ ph_status ph_i_check_loading(const ph_run *r, ph_error *err)
              "a loading needs to know when bonds break: give failure");
     PH_CHECK(!q || q->kind == PH_SEQUENCE_NONE, PH_EINVAL,
              "a sequence of cracks and a loading are two: give one of both");
-    PH_CHECK(
-        !r->classes || !r->setting.source, PH_EINVAL,
+    PH_CHECK_KEY(
+        !r->classes || !r->setting.source, PH_EINVAL, "constraint.collar",
         "a loading and model bond take the collar inside: with a frame around the RVE "
         "its energies are not those of its bonds");
     for (int i = 0; i < ph_strains(r->result->grid.kinematics); i++) {

@@ -143,11 +143,14 @@ static ph_status check_materials(const ph_microstructure *micro, ph_error *err)
 {
     ph_status st = PH_OK;
     for (int m = 0; m < micro->nmaterials; m++) {
+        char key[80];
         double size = ph_sym4_norm(&micro->materials[m].stiffness);
-        PH_CHECK(size == 0.0 || (size > least_modulus && size < 1e2 * most_modulus),
-                 PH_EUNPHYSICAL,
-                 "material '%s': stiffness of %g is outside %g to %g: choose other units",
-                 micro->materials[m].name, size, least_modulus, most_modulus);
+        snprintf(key, sizeof key, "materials.%s", micro->materials[m].name);
+        PH_CHECK_KEY(
+            size == 0.0 || (size > least_modulus && size < 1e2 * most_modulus),
+            PH_EUNPHYSICAL, key,
+            "material '%s': stiffness of %g is outside %g to %g: choose other units",
+            micro->materials[m].name, size, least_modulus, most_modulus);
     }
 out:
     return st;
@@ -160,26 +163,27 @@ static ph_status check_problem(const ph_problem *p, ph_error *err)
     PH_TRY(ph_microstructure_check(p->micro, err));
     PH_TRY(check_materials(p->micro, err));
     int collar = p->constraint.collar_material;
-    PH_CHECK(p->constraint.collar != PH_COLLAR_MATRIX ||
-                 (collar >= 0 && collar < p->micro->nmaterials),
-             PH_EINVAL, "material %d of the collar is outside 0..%d", collar,
-             p->micro->nmaterials - 1);
+    PH_CHECK_KEY(p->constraint.collar != PH_COLLAR_MATRIX ||
+                     (collar >= 0 && collar < p->micro->nmaterials),
+                 PH_EINVAL, "constraint.collar",
+                 "material %d of the collar is outside 0..%d", collar,
+                 p->micro->nmaterials - 1);
     double t = p->solver.tolerance;
-    PH_CHECK(t == 0.0 || (t > 0.0 && t < 1.0), PH_EINVAL,
-             "solver tolerance must be in (0, 1), got %g", t);
-    PH_CHECK(ph_i_precision_is_known(p->solver.precision), PH_EINVAL,
-             "unknown precision '%.40s': must be double, single or auto",
-             p->solver.precision);
-    PH_CHECK(p->solver.max_iterations >= 0, PH_EINVAL,
-             "max_iterations must not be negative, got %d", p->solver.max_iterations);
-    PH_CHECK(isfinite(p->model.horizon) && p->model.horizon >= 0.0, PH_EINVAL,
-             "horizon must be > 0, got %g", p->model.horizon);
+    PH_CHECK_KEY(t == 0.0 || (t > 0.0 && t < 1.0), PH_EINVAL, "solver.tolerance",
+                 "solver tolerance must be in (0, 1), got %g", t);
+    PH_CHECK_KEY(
+        ph_i_precision_is_known(p->solver.precision), PH_EINVAL, "solver.precision",
+        "unknown precision '%.40s': must be double, single or auto", p->solver.precision);
+    PH_CHECK_KEY(p->solver.max_iterations >= 0, PH_EINVAL, "solver.max_iterations",
+                 "max_iterations must not be negative, got %d", p->solver.max_iterations);
+    PH_CHECK_KEY(isfinite(p->model.horizon) && p->model.horizon >= 0.0, PH_EINVAL,
+                 "model.horizon", "horizon must be > 0, got %g", p->model.horizon);
     double v = p->model.stabilisation_value;
-    PH_CHECK(v >= 0.0 && v <= 1.0, PH_EINVAL,
-             "the stabilisation must be in (0, 1], got %g", v);
+    PH_CHECK_KEY(v >= 0.0 && v <= 1.0, PH_EINVAL, "model.stabilisation",
+                 "the stabilisation must be in (0, 1], got %g", v);
     double tips = p->model.crack_tips;
-    PH_CHECK(tips >= 0.0 && tips <= 2.0, PH_EINVAL,
-             "crack_tips must be in [0, 2] spacings, got %g", tips);
+    PH_CHECK_KEY(tips >= 0.0 && tips <= 2.0, PH_EINVAL, "model.crack_tips",
+                 "crack_tips must be in [0, 2] spacings, got %g", tips);
 out:
     return st;
 }
@@ -193,7 +197,8 @@ ph_status ph_i_run_begin(ph_run *r, ph_error *err)
     ptrdiff_t worth = 1 + ph_grid_cells(&p->micro->grid) / CELLS_PER_THREAD;
     if (r->threads > worth) r->threads = (int)worth;
     r->constraint = ph_i_constraint_find(p->constraint.kind);
-    PH_CHECK(r->constraint, PH_EINVAL, "unknown constraint '%s'", p->constraint.kind);
+    PH_CHECK_KEY(r->constraint, PH_EINVAL, "constraint.kind", "unknown constraint '%s'",
+                 p->constraint.kind);
     const ph_model_method *model = ph_i_model_find(p->model.kind);
     bool mixes = p->interface == PH_INTERFACE_COMPOSITE && p->micro->ncuts > 0;
     bool in_time = p->loading && p->loading->times; /* a cut cell has two pasts */
@@ -255,10 +260,11 @@ ph_status ph_i_run_prepare(ph_run *r, ph_error *err)
              "every phase of the microstructure is void: its stiffness is zero");
     PH_TRY(ph_i_model_choose(p, r->map, r->constraint->bounded, &r->params, &r->family,
                              res, err));
-    PH_CHECK(!(res->bond.present && r->constraint->by_stress), PH_EINVAL,
-             "model bond does not take %s: bonds that are missing at the faces make the "
-             "material soft there. Take periodic or linear_displacement, or model nosb",
-             r->constraint->info.name);
+    PH_CHECK_KEY(
+        !(res->bond.present && r->constraint->by_stress), PH_EINVAL, "constraint.kind",
+        "model bond does not take %s: bonds that are missing at the faces make the "
+        "material soft there. Take periodic or linear_displacement, or model nosb",
+        r->constraint->info.name);
     res->model = ph_i_model_find(p->model.kind)->info.name;
     res->points = r->family ? r->family->points : PH_POINTS_STRESS;
     res->horizon = r->family ? r->family->horizon : 0.0;
@@ -407,8 +413,9 @@ static ph_status find_symmetry(ph_run *r, ph_error *err)
 ph_status ph_i_run_check_analytic(const ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_CHECK(
+    PH_CHECK_KEY(
         !r->constraint->analytic || !ph_i_has_cracks(r->problem), PH_EINVAL,
+        "constraint.kind",
         "constraint %s solves no equations and knows nothing of cracks: take periodic "
         "or linear_displacement",
         r->constraint->info.name);

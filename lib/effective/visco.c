@@ -245,9 +245,10 @@ static ph_status with_equations(ph_visco *v, ph_error *err)
     PH_TRY(ph_i_operator_in_space(r->op, err));
     v->nfunctions = v->split.nfunctions;
     if (r->op->springs) {
-        PH_CHECK(!r->setting.source, PH_EINVAL,
-                 "model bond with a collar outside the RVE has a virial for its stress, "
-                 "and no energy to project: take `collar: inside`, or route carson");
+        PH_CHECK_KEY(
+            !r->setting.source, PH_EINVAL, "constraint.collar",
+            "model bond with a collar outside the RVE has a virial for its stress, "
+            "and no energy to project: take `collar: inside`, or route carson");
         PH_TRY(ph_i_bond_functions_new(r->classes, micro, &v->bonds, err));
         v->nfunctions = v->bonds.count;
     }
@@ -271,9 +272,10 @@ static ph_status cut_cracks(ph_run *r, ph_error *err)
     const ph_problem *p = r->problem;
     bool outside = r->setting.source && p->constraint.collar == PH_COLLAR_MATRIX;
     if (!r->broken) return PH_OK;
-    PH_CHECK(!p->sequence || p->sequence->kind == PH_SEQUENCE_NONE, PH_EINVAL,
-             "a cell that relaxes has its cracks from the beginning: leave out the "
-             "sequence");
+    PH_CHECK_KEY(!p->sequence || p->sequence->kind == PH_SEQUENCE_NONE, PH_EINVAL,
+                 "sequence",
+                 "a cell that relaxes has its cracks from the beginning: leave out the "
+                 "sequence");
     if (p->cracks && !p->loading) /* a failure begins with the whole cell */
         PH_TRY(ph_i_cracks_cut(p->cracks, &r->result->grid, r->setting.first, outside,
                                r->broken, err));

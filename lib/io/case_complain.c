@@ -125,6 +125,17 @@ void ph_i_complain(ph_i_reader *r, const ph_i_node *at, ph_status status, const 
     complain(r, at, NULL, status, text);
 }
 
+void ph_i_complain_key(ph_i_reader *r, const ph_i_node *at, const char *key,
+                       ph_status status, const char *fmt, ...)
+{
+    char text[600];
+    va_list ap;
+    va_start(ap, fmt);
+    vsnprintf(text, sizeof text, fmt, ap);
+    va_end(ap);
+    complain(r, at, key, status, text);
+}
+
 void ph_i_complain_line(ph_i_reader *r, int line, const char *fmt, ...)
 {
     char text[600], message[1024], set[SHOWN + 8];

@@ -73,6 +73,9 @@ ph_status ph_i_tree_set(ph_i_reader *r, ph_i_node **root, const char *set, ph_er
 /** "path: text". @param[in] at node it is about, or NULL for the whole file */
 void ph_i_complain(ph_i_reader *r, const ph_i_node *at, ph_status status, const char *fmt,
                    ...) PH_PRINTF(4, 5);
+/** The same about a key that the map `at` has not. */
+void ph_i_complain_key(ph_i_reader *r, const ph_i_node *at, const char *key,
+                       ph_status status, const char *fmt, ...) PH_PRINTF(5, 6);
 /** The same at a line that has no node. */
 void ph_i_complain_line(ph_i_reader *r, int line, const char *fmt, ...) PH_PRINTF(3, 4);
 /** "path: VALUE is not admissible: rule". */

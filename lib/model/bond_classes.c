@@ -26,6 +26,9 @@ static ph_status check_material(const ph_material *m, ph_kinematics kin, ph_erro
         "have any",
         m->name, m->nu, nu, where, nu_tolerance, nu);
 out:
+    if (st != PH_OK)
+        ph_error_about(err, m->is_isotropic ? "materials.%s.nu" : "materials.%s",
+                       m->name);
     return st;
 }
 
@@ -113,8 +116,8 @@ ph_status ph_i_bond_classes_new(const ph_microstructure *m, double kappa,
     ph_bond_classes *c = NULL;
     ptrdiff_t *counts = NULL;
     *out = NULL;
-    PH_CHECK(isnan(kappa) || (isfinite(kappa) && kappa >= 0.0), PH_EINVAL,
-             "kappa must be > 0, got %g", kappa);
+    PH_CHECK_KEY(isnan(kappa) || (isfinite(kappa) && kappa >= 0.0), PH_EINVAL,
+                 "model.kappa", "kappa must be > 0, got %g", kappa);
     PH_ALLOC(c, 1, "bond classes");
     PH_ALLOC(counts, m->nmaterials, "cells of the materials");
     c->cells = cells;

@@ -172,21 +172,24 @@ static ph_status check_recipe(const recipe *r, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_grid *g = r->grid;
-    PH_CHECK(isfinite(r->horizon) && r->horizon > 0.0, PH_EINVAL,
-             "horizon must be > 0, got %g", r->horizon);
-    PH_CHECK(isfinite(ph_bond_poisson(g->kinematics)), PH_EINVAL,
-             "bonds do not do generalised plane strain: a bond that stays in the plane "
-             "knows no strain along axis 3. Give plane: stress or strain, or model nosb");
-    PH_CHECK(isfinite(r->power) && r->power < r->dimension + 1, PH_EINVAL,
-             "power must be below %d (the modulus is finite), got %g", r->dimension + 1,
-             r->power);
+    PH_CHECK_KEY(isfinite(r->horizon) && r->horizon > 0.0, PH_EINVAL, "model.horizon",
+                 "horizon must be > 0, got %g", r->horizon);
+    PH_CHECK_KEY(
+        isfinite(ph_bond_poisson(g->kinematics)), PH_EINVAL, "microstructure.plane",
+        "bonds do not do generalised plane strain: a bond that stays in the plane "
+        "knows no strain along axis 3. Give plane: stress or strain, or model nosb");
+    PH_CHECK_KEY(isfinite(r->power) && r->power < r->dimension + 1, PH_EINVAL,
+                 "model.micromodulus",
+                 "power must be below %d (the modulus is finite), got %g",
+                 r->dimension + 1, r->power);
     for (int d = 0; d < r->dimension; d++) {
-        PH_CHECK(r->horizon >= g->h[d] * (1.0 - 1e-9), PH_EINVAL,
-                 "horizon %g is too small for this grid: at least %g, one spacing",
-                 r->horizon, g->h[d]);
-        PH_CHECK(g->n[d] == 1 || r->horizon <= g->size[d] * (1.0 + 1e-9), PH_EINVAL,
-                 "horizon %g is larger than the box along axis %d (size %g)", r->horizon,
-                 d + 1, g->size[d]);
+        PH_CHECK_KEY(r->horizon >= g->h[d] * (1.0 - 1e-9), PH_EINVAL, "model.horizon",
+                     "horizon %g is too small for this grid: at least %g, one spacing",
+                     r->horizon, g->h[d]);
+        PH_CHECK_KEY(g->n[d] == 1 || r->horizon <= g->size[d] * (1.0 + 1e-9), PH_EINVAL,
+                     "model.horizon",
+                     "horizon %g is larger than the box along axis %d (size %g)",
+                     r->horizon, d + 1, g->size[d]);
     }
 out:
     return st;

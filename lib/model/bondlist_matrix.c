@@ -169,8 +169,9 @@ out:
 static ph_status make_room(ph_csc *m, ptrdiff_t want, ptrdiff_t *room, ph_error *err)
 {
     ph_status st = PH_OK;
-    PH_CHECK(want <= PH_MATRIX_MOST, PH_EINVAL,
-             "the matrix has more than %d entries: take solver fft_cg", PH_MATRIX_MOST);
+    PH_CHECK_KEY(want <= PH_MATRIX_MOST, PH_EINVAL, "solver.kind",
+                 "the matrix has more than %d entries: take solver fft_cg",
+                 PH_MATRIX_MOST);
     if (want <= *room) return PH_OK;
     *room = 2 * want;
     int *row = realloc(m->row, (size_t)*room * sizeof *row);

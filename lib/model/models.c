@@ -175,18 +175,21 @@ static ph_status choose_bonds(const ph_problem *p, ph_operator_params *out,
     const ph_volume_weight *be =
         by_name(&ph_volume_weights[0].info, sizeof *ph_volume_weights, ph_nvolume_weights,
                 weights);
-    PH_CHECK(c, PH_EINVAL, "unknown micromodulus '%s'", profile);
-    PH_CHECK(be, PH_EINVAL, "unknown volume weight '%s'", weights);
-    PH_CHECK((size_t)m->calibration < ph_ncalibrations, PH_EINVAL,
-             "unknown calibration %d", (int)m->calibration);
-    PH_CHECK(m->points != PH_POINTS_STRESS, PH_EINVAL,
-             "model bond has no stress points: its forces act between nodes");
-    PH_CHECK(
-        m->stabilisation == PH_STABILISE_AUTO || m->stabilisation == PH_STABILISE_NONE,
-        PH_EINVAL, "model bond needs no stabilisation: bonds see every displacement");
-    PH_CHECK(!m->influence || strcmp(m->influence, "constant") == 0, PH_EINVAL,
-             "influence '%s' belongs to nosb; model bond has a micromodulus",
-             m->influence);
+    PH_CHECK_KEY(c, PH_EINVAL, "model.micromodulus", "unknown micromodulus '%s'",
+                 profile);
+    PH_CHECK_KEY(be, PH_EINVAL, "model.weights", "unknown volume weight '%s'", weights);
+    PH_CHECK_KEY((size_t)m->calibration < ph_ncalibrations, PH_EINVAL,
+                 "model.calibration", "unknown calibration %d", (int)m->calibration);
+    PH_CHECK_KEY(m->points != PH_POINTS_STRESS, PH_EINVAL, "model.points",
+                 "model bond has no stress points: its forces act between nodes");
+    PH_CHECK_KEY(m->stabilisation == PH_STABILISE_AUTO ||
+                     m->stabilisation == PH_STABILISE_NONE,
+                 PH_EINVAL, "model.stabilisation",
+                 "model bond needs no stabilisation: bonds see every displacement");
+    PH_CHECK_KEY(!m->influence || strcmp(m->influence, "constant") == 0, PH_EINVAL,
+                 "model.influence",
+                 "influence '%s' belongs to nosb; model bond has a micromodulus",
+                 m->influence);
     double horizon =
         m->horizon > 0.0 ? choose_horizon(p, PH_POINTS_NODES) : bond_spacings * widest(g);
     PH_TRY(ph_bond_family_new(g, horizon, c, m->power, be, m->calibration, family,
@@ -217,13 +220,13 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
     *family = NULL;
     memset(out, 0, sizeof *out);
     out->stabilisation = PH_STABILISE_NONE;
-    PH_CHECK(model, PH_EINVAL, "unknown model '%s'", p->model.kind);
-    PH_CHECK(!ph_i_has_cracks(p) ||
-                 (model->has_family && p->model.points != PH_POINTS_STRESS &&
-                  p->model.stabilisation != PH_STABILISE_SUBPOINT),
-             PH_EINVAL,
-             "cracks cut bonds between nodes: take model nosb with points nodes and "
-             "without sub-points, or model bond");
+    PH_CHECK_KEY(model, PH_EINVAL, "model.kind", "unknown model '%s'", p->model.kind);
+    PH_CHECK_KEY(!ph_i_has_cracks(p) ||
+                     (model->has_family && p->model.points != PH_POINTS_STRESS &&
+                      p->model.stabilisation != PH_STABILISE_SUBPOINT),
+                 PH_EINVAL, "model",
+                 "cracks cut bonds between nodes: take model nosb with points nodes and "
+                 "without sub-points, or model bond");
     if (!model->has_family) return PH_OK;
     if (model->pairwise) return choose_bonds(p, out, family, notes, err);
     const char *influence = p->model.influence ? p->model.influence : "constant";
@@ -233,8 +236,9 @@ ph_status ph_i_model_choose(const ph_problem *p, const ph_stiffness_map *map,
     const ph_volume_weight *be =
         by_name(&ph_volume_weights[0].info, sizeof *ph_volume_weights, ph_nvolume_weights,
                 weights);
-    PH_CHECK(om, PH_EINVAL, "unknown influence function '%s'", influence);
-    PH_CHECK(be, PH_EINVAL, "unknown volume weight '%s'", weights);
+    PH_CHECK_KEY(om, PH_EINVAL, "model.influence", "unknown influence function '%s'",
+                 influence);
+    PH_CHECK_KEY(be, PH_EINVAL, "model.weights", "unknown volume weight '%s'", weights);
     ph_points points = choose_points(p, map, bounded, notes);
     PH_TRY(ph_family_new(&p->micro->grid, points, choose_horizon(p, points), om, be,
                          family, err));

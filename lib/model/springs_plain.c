@@ -122,8 +122,9 @@ ph_status ph_i_springs_matrix(const ph_springs *s, const int *unknown, int n, ph
     /* above the diagonal as many as below: half of all, and the diagonal blocks */
     double room = 0.5 * nd * n * (double)(s->family->count + 1) + 0.5 * nd * n + 16.0;
     room = 2.0 * room; /* numbering by nodes does not halve every column */
-    PH_CHECK(room <= 2.0 * PH_MATRIX_MOST, PH_EINVAL,
-             "the matrix has more than %d entries: take solver fft_cg", PH_MATRIX_MOST);
+    PH_CHECK_KEY(room <= 2.0 * PH_MATRIX_MOST, PH_EINVAL, "solver.kind",
+                 "the matrix has more than %d entries: take solver fft_cg",
+                 PH_MATRIX_MOST);
     PH_ALLOC(m->start, n + 1, "the columns of the matrix");
     PH_ALLOC(m->row, room, "the matrix");
     PH_ALLOC(m->value, room, "the matrix");

@@ -247,6 +247,15 @@ PH_API void ph_case_issues_free(ph_case_issues *issues);
 PH_API void ph_case_issue_text(const ph_case_issue *issue, const char *name, char *text,
                                size_t size);
 
+/** An error about a key of a case (`key` of ph_error), as a complaint of the reader: with file,
+ *  line, key and what stands there; the file is read again.
+ *  @param[in] sets  the overrides that the case was read with
+ *  @param[out] text "file.yaml:15: model.horizon: 100 is not admissible: ...", cut at `size`
+ *  @return false where it is about no key, or the file cannot be read any more; `text` is then
+ *  untouched. Tested: tests/io/test_case.c */
+PH_API bool ph_case_error_text(const char *path, const char *const *sets, size_t nsets,
+                               const ph_error *about, char *text, size_t size);
+
 /** Read a case file.
  *  @param[in] sets   overrides "key.path=value" (YAML values), applied before checking
  *  @param[out] issues every complaint of the file, each with line, key, value, what is

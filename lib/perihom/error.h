@@ -48,11 +48,12 @@ typedef struct ph_error {
     int iteration;   /* of an iterative solver, else 0 */
     double residual; /* relative, where a solver failed, else 0 */
     char msg[512];
+    char key[80]; /* of a case, that the failure is about: "model.horizon"; else empty */
 } ph_error;
 
 #define PH_ERROR_INIT                                                                    \
     {                                                                                    \
-        PH_OK, NULL, 0, 0, 0.0, ""                                                       \
+        PH_OK, NULL, 0, 0, 0.0, "", ""                                                   \
     }
 
 /** Text of a status, e.g. "not converged"; never NULL. */
@@ -65,6 +66,9 @@ PH_API ph_status ph_error_set(ph_error *err, ph_status status, const char *file,
                               const char *fmt, ...) PH_PRINTF(5, 6);
 /** Put context before the message: "phase 'fibre': " + msg. No effect without a failure. */
 PH_API void ph_error_prefix(ph_error *err, const char *fmt, ...) PH_PRINTF(2, 3);
+
+/** Say which key of a case the failure is about, "materials.%s.nu"; the first stays. */
+PH_API void ph_error_about(ph_error *err, const char *fmt, ...) PH_PRINTF(2, 3);
 
 /** Where a long computation is; handed to the progress callback. */
 typedef struct ph_progress {

@@ -59,7 +59,8 @@ typedef struct ph_family {
 /** Build the family of a grid.
  *  @param[in] horizon delta [length, >= half the smallest cell diagonal for stress points,
  *             >= the spacing of every active axis for nodes]
- *  @return PH_OK; PH_EINVAL (horizon too small, or more than half the box);
+ *  @return PH_OK; PH_EINVAL (horizon too small, or more than half the box, or an
+ *          influence that leaves no bond);
  *          PH_ESINGULAR (shape tensor); PH_ENOMEM */
 PH_API ph_status ph_family_new(const ph_grid *grid, ph_points points, double horizon,
                                const ph_influence *influence,

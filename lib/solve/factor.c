@@ -74,8 +74,8 @@ ph_status ph_i_factor_new(const ph_csc *m, bool changes, ph_factor **out, ph_err
                         .packed = 1};
     f->L = cholmod_analyze(&a, c);
     PH_TRY(translate(c, "analyse", err));
-    PH_CHECK(
-        c->lnz <= (double)PH_MATRIX_MOST, PH_EINVAL,
+    PH_CHECK_KEY(
+        c->lnz <= (double)PH_MATRIX_MOST, PH_EINVAL, "solver.kind",
         "the factor of the matrix would have %.3g entries, more than %d: take solver "
         "fft_cg",
         c->lnz, PH_MATRIX_MOST);

@@ -135,7 +135,8 @@ static ph_status choose_precision(const ph_solver_params *p, const ph_system *sy
     const char *word = p->precision ? p->precision : "double";
     const char *no = no_single(out->method, system);
     bool automatically = strcmp(word, "auto") == 0, single = strcmp(word, "single") == 0;
-    PH_CHECK(!single || !no, PH_EINVAL, "precision single cannot take this case: %s", no);
+    PH_CHECK_KEY(!single || !no, PH_EINVAL, "solver.precision",
+                 "precision single cannot take this case: %s", no);
     if (automatically) {
         if (!no) no = no_gain(p, system);
         single = !no;
@@ -163,10 +164,11 @@ ph_status ph_i_solver_choose(const ph_solver_params *params, const ph_system *sy
     *out = (ph_solver_choice){.precision = "double"};
     out->method =
         automatically ? automatic(system, out->why[0]) : ph_i_solver_find(params->kind);
-    PH_CHECK(out->method, PH_EINVAL, "unknown solver '%s'", params->kind);
+    PH_CHECK_KEY(out->method, PH_EINVAL, "solver.kind", "unknown solver '%s'",
+                 params->kind);
     const char *no = out->method->refuses(system);
-    PH_CHECK(!no, PH_EINVAL, "solver '%s' cannot take this case: %s",
-             out->method->info.name, no);
+    PH_CHECK_KEY(!no, PH_EINVAL, "solver.kind", "solver '%s' cannot take this case: %s",
+                 out->method->info.name, no);
     PH_TRY(choose_precision(params, system, out, err));
 out:
     return st;

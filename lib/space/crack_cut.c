@@ -246,14 +246,14 @@ static ph_status cut_piece(cutter *c, const piece *p, ph_error *err)
         double begin = -(double)c->first[d] * h - c->longest;
         double end = (double)(c->broken->n[d] - c->first[d]) * h + c->longest;
         double a = ceil((begin - p->high[d]) / L), b = floor((end - p->low[d]) / L);
-        PH_CHECK(fabs(a) < most && fabs(b) < most, PH_EINVAL,
-                 "a crack lies %g box lengths away", fmax(fabs(a), fabs(b)));
+        PH_CHECK_KEY(fabs(a) < most && fabs(b) < most, PH_EINVAL, "cracks",
+                     "a crack lies %g box lengths away", fmax(fabs(a), fabs(b)));
         low[d] = (ptrdiff_t)a;
         high[d] = (ptrdiff_t)b;
         images *= b - a + 1.0;
     }
-    PH_CHECK(images < periods, PH_EINVAL, "a crack crosses %g periods of the RVE",
-             images);
+    PH_CHECK_KEY(images < periods, PH_EINVAL, "cracks",
+                 "a crack crosses %g periods of the RVE", images);
     for (ptrdiff_t i = low[0]; i <= high[0]; i++)
         for (ptrdiff_t j = low[1]; j <= high[1]; j++)
             for (ptrdiff_t k = low[2]; k <= high[2]; k++) {

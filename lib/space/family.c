@@ -136,19 +136,21 @@ static ph_status check_reach(const ph_grid *grid, const ph_family *f, ph_error *
     ph_status st = PH_OK;
     static const char axis_name[] = "123";
     double least;
-    PH_CHECK(half_diagonal_check(f, grid->h, &least), PH_EINVAL,
-             "horizon %g is too small for this grid: at least %g (%s)", f->horizon, least,
-             f->points == PH_POINTS_STRESS ? "half the diagonal of a cell"
-                                           : "the largest spacing");
+    PH_CHECK_KEY(half_diagonal_check(f, grid->h, &least), PH_EINVAL, "model.horizon",
+                 "horizon %g is too small for this grid: at least %g (%s)", f->horizon,
+                 least,
+                 f->points == PH_POINTS_STRESS ? "half the diagonal of a cell"
+                                               : "the largest spacing");
     /* Half a diagonal reaches the corners of the cell and nothing else, however flat it is. */
     if (f->points == PH_POINTS_STRESS && f->horizon <= least * (1.0 + 1e-9)) return PH_OK;
     for (int d = 0; d < 3; d++)
-        PH_CHECK(!f->active[d] || f->horizon <= 0.5 * grid->size[d] * (1.0 + 1e-9) ||
-                     f->horizon <= 2.0 * grid->h[d] * (1.0 + 1e-9),
-                 PH_EINVAL,
-                 "horizon %g is more than half the box along axis %c (size %g): a point "
-                 "would meet its own images; give a smaller horizon or a larger RVE",
-                 f->horizon, axis_name[d], grid->size[d]);
+        PH_CHECK_KEY(
+            !f->active[d] || f->horizon <= 0.5 * grid->size[d] * (1.0 + 1e-9) ||
+                f->horizon <= 2.0 * grid->h[d] * (1.0 + 1e-9),
+            PH_EINVAL, "model.horizon",
+            "horizon %g is more than half the box along axis %c (size %g): a point "
+            "would meet its own images; give a smaller horizon or a larger RVE",
+            f->horizon, axis_name[d], grid->size[d]);
 out:
     return st;
 }
@@ -161,8 +163,8 @@ ph_status ph_family_new(const ph_grid *grid, ph_points points, double horizon,
     ph_family *f = NULL;
     PH_CHECK(out && grid && influence && weight, PH_EINVAL, "NULL argument");
     *out = NULL;
-    PH_CHECK(isfinite(horizon) && horizon > 0.0, PH_EINVAL, "horizon must be > 0, got %g",
-             horizon);
+    PH_CHECK_KEY(isfinite(horizon) && horizon > 0.0, PH_EINVAL, "model.horizon",
+                 "horizon must be > 0, got %g", horizon);
     PH_ALLOC(f, 1, "a family");
     f->points = points == PH_POINTS_STRESS ? PH_POINTS_STRESS : PH_POINTS_NODES;
     f->horizon = horizon;
@@ -176,9 +178,11 @@ ph_status ph_family_new(const ph_grid *grid, ph_points points, double horizon,
     PH_ALLOC(f->g, f->count, "gradient weights");
     scan(f, grid->h, influence, weight, true);
     if (f->active[0] || f->active[1] || f->active[2]) {
-        PH_CHECK(f->count > 0, PH_ESINGULAR,
-                 "the family of horizon %g has no bond with influence '%s'", horizon,
-                 influence->info.name);
+        PH_CHECK_KEY(
+            f->count > 0, PH_EINVAL, "model.influence",
+            "the family of horizon %g has no bond with influence '%s', which is zero at "
+            "the horizon: give a larger model.horizon or another influence",
+            horizon, influence->info.name);
         PH_TRY(weigh(f, err));
     }
     *out = f;

@@ -1,7 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Cases that are not admissible: tests/cli/bad/NAME.yaml gives the lines of NAME.expect on
-# stderr, nothing on stdout, exit code 3 and no folder. usage: bad.sh ROOT PERIHOM
+# Cases that are not admissible: NAME.yaml gives the lines of NAME.expect on stderr, nothing on
+# stdout, exit code 3 and no folder. Those of tests/cli/bad are refused by the reader, those of
+# tests/cli/bad_model by the model, the constraint or the solver.
+# usage: bad.sh ROOT PERIHOM
 set -u
 root=$1
 # shellcheck source=tests/tap.sh
@@ -10,7 +12,7 @@ perihom=$(absolute "$2")
 bad=$root/tests/cli/bad
 [ -d "$bad" ] || skip_all "no bad cases"
 tap_folder
-cp "$bad"/* .
+cp "$bad"/* "$root"/tests/cli/bad_model/* .
 
 complains() {
     "$perihom" run "$1.yaml" >out 2>err </dev/null

@@ -532,9 +532,51 @@ static void test_decimal_comma(void **state)
     CHECK_END();
 }
 
+/* What an error is about is looked up in the file as it is with its overrides. */
+static void test_error_text(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/perihom-about-XXXXXX", path[100], text[300] = "as before",
+         want[400];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/c.yaml", folder);
+    FILE *to = fopen(path, "w");
+    fputs("perihom: 1\nmodel:\n  horizon: {length: 3}\nconstraint: periodic\n", to);
+    fclose(to);
+    static const char *const sets[] = {"solver.kind=direct"};
+    const struct {
+        const char *key, *text;
+    } row[] = {
+        {"model.horizon", ":3: model.horizon.length: 3 is not admissible: no"},
+        {"model", ":2: model: no"}, /* of the map as a whole */
+        {"model.influence", ":2: model.influence: not given: no"},
+        {"constraint.kind", ":4: constraint: 'periodic' is not admissible: no"},
+        {"solver.kind", ": --set solver.kind: 'direct' is not admissible: no"},
+        {"", NULL},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        ph_error err = PH_ERROR_INIT;
+        ph_error_set(&err, PH_EINVAL, NULL, 0, "no");
+        ph_error_about(&err, "%s", row[i].key);
+        snprintf(text, sizeof text, "as before");
+        bool found = ph_case_error_text(path, sets, 1, &err, text, sizeof text);
+        snprintf(want, sizeof want, "%s%s", path, row[i].text ? row[i].text : "");
+        CHECK(found == (row[i].text != NULL));
+        CHECK(strcmp(text, found ? want : "as before") == 0);
+        err.status = PH_ENOCONV; /* this says nothing of the case */
+        CHECK(!ph_case_error_text(path, sets, 1, &err, text, sizeof text));
+    }
+    ph_error gone = {.status = PH_EINVAL, .key = "model"};
+    remove(path);
+    CHECK(!ph_case_error_text(path, NULL, 0, &gone, text, sizeof text));
+    remove(folder);
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_error_text),
         cmocka_unit_test(test_boron_aluminium),
         cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_every_shape),

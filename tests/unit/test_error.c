@@ -43,9 +43,25 @@ static void test_exit_codes(void **state)
     CHECK_END();
 }
 
+static void test_about(void **state)
+{
+    (void)state;
+    ph_error err = PH_ERROR_INIT;
+    ph_error_about(&err, "model.%s", "kind"); /* of no failure */
+    CHECK(!err.key[0]);
+    ph_error_set(&err, PH_EINVAL, NULL, 0, "no");
+    CHECK(!err.key[0]);
+    ph_error_about(&err, "materials.%s.nu", "fibre");
+    ph_error_about(&err, "model"); /* whoever is nearest knows best */
+    CHECK(strcmp(err.key, "materials.fibre.nu") == 0);
+    ph_error_about(NULL, "model");
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_about),
         cmocka_unit_test(test_first_failure_wins),
         cmocka_unit_test(test_long_messages_are_cut_not_overrun),
         cmocka_unit_test(test_exit_codes),

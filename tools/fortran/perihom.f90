@@ -22,7 +22,7 @@ module perihom
         type(c_ptr) :: file = c_null_ptr
         integer(c_int) :: line = 0, iteration = 0
         real(c_double) :: residual = 0
-        character(kind=c_char) :: msg(512) = c_null_char
+        character(kind=c_char) :: msg(512) = c_null_char, key(80) = c_null_char
     end type
 
     interface
