@@ -205,16 +205,56 @@ out:
     return st;
 }
 
+ph_status ph_i_run_cut(ph_run *r, const ph_cracks *cracks, bool inside, bool note,
+                       ph_error *err)
+{
+    ph_status st = PH_OK;
+    ptrdiff_t missed = 0;
+    PH_TRY(ph_i_cracks_cut(cracks, &r->result->grid, r->setting.first, inside, r->broken,
+                           &missed, err));
+    if (note && missed > 0)
+        ph_i_note(
+            r->result,
+            "%td of %td cracks cut no bond and count for nothing: they are too short "
+            "for the spacing of the nodes, or lie between them",
+            missed, cracks->count);
+out:
+    return st;
+}
+
+ph_status ph_i_run_cut_last(ph_run *r, double *density, ptrdiff_t *count, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_problem *p = r->problem;
+    const ph_crack_sequence *q = p->sequence;
+    ph_cracks cracks = {0};
+    bool steps = q && q->kind != PH_SEQUENCE_NONE && q->nsteps > 0 && q->value;
+    *density = 0.0;
+    *count = 0;
+    if (!p->cracks || p->cracks->count == 0) return PH_OK;
+    PH_TRY(cracks_of_step(p, steps ? q->nsteps - 1 : 0, &cracks, err));
+    PH_TRY(ph_i_run_cut(r, &cracks, ph_i_run_whole_collar(r), true, err));
+    *density = ph_cracks_density(&cracks, &r->result->grid);
+    *count = cracks.count;
+out:
+    ph_cracks_free(&cracks);
+    return st;
+}
+
+bool ph_i_run_whole_collar(const ph_run *r)
+{
+    return r->setting.source && r->problem->constraint.collar == PH_COLLAR_MATRIX;
+}
+
 static ph_status take_step(ph_run *r, int number, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_problem *p = r->problem;
     ph_damage_step *s = &r->result->damage->step[number];
     ph_cracks cracks = {0};
-    bool outside = r->setting.source && p->constraint.collar == PH_COLLAR_MATRIX;
+    bool last = number == r->result->damage->nsteps - 1;
     PH_TRY(cracks_of_step(p, number, &cracks, err));
-    PH_TRY(ph_i_cracks_cut(&cracks, &r->result->grid, r->setting.first, outside,
-                           r->broken, err));
+    PH_TRY(ph_i_run_cut(r, &cracks, ph_i_run_whole_collar(r), last, err));
     PH_TRY(ph_i_run_rebuild(r, err));
     s->value = p->sequence && p->sequence->kind != PH_SEQUENCE_NONE
                    ? p->sequence->value[number]

@@ -46,8 +46,8 @@ bool ph_i_wants_stiffness(const ph_loading *loading, int step);
 int ph_i_stiffness_steps(const ph_loading *loading);
 /** @return PH_EINVAL with what is wrong */
 ph_status ph_i_check_loading(const ph_run *run, ph_error *err);
-/** Make run->result->failure, with the damage of the cracks that are there. */
-ph_status ph_i_failure_path_new(ph_run *run, ph_error *err);
+/** Cut the cracks that are there, and make run->result->failure with their damage. */
+ph_status ph_i_failure_begin(ph_run *run, ph_error *err);
 /** One more event, zeroed. */
 ph_status ph_i_failure_event(ph_failure_path *path, ph_failure_event **out,
                              ph_error *err);

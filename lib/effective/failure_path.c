@@ -73,12 +73,7 @@ static ph_status start(ph_walk *w, ph_error *err)
     const ph_problem *p = r->problem;
     PH_TRY(ph_i_unit_load_init(&w->unit, r, w->loading->strain, w->loading->stress_free,
                                err));
-    if (p->cracks && p->cracks->count > 0) {
-        PH_TRY(ph_i_cracks_cut(p->cracks, &r->result->grid, r->setting.first, false,
-                               r->broken, err));
-        PH_TRY(ph_i_run_rebuild(r, err));
-    }
-    PH_TRY(ph_i_failure_path_new(r, err));
+    PH_TRY(ph_i_failure_begin(r, err));
     w->path = r->result->failure;
     if (!r->classes)
         ph_i_note(r->result, "failure: strengths from a fracture energy are those of "

@@ -101,7 +101,7 @@ out:
     return st;
 }
 
-ph_status ph_i_failure_path_new(ph_run *r, ph_error *err)
+static ph_status new_path(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_failure_path *p = NULL;
@@ -127,6 +127,19 @@ ph_status ph_i_failure_path_new(ph_run *r, ph_error *err)
         ptrdiff_t x = ph_i_run_node_of_rve(r, r->broken->node[i]);
         if (x >= 0) p->initial[x] = ph_i_broken_damage(r->broken, i);
     }
+out:
+    return st;
+}
+
+ph_status ph_i_failure_begin(ph_run *r, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_cracks *cracks = r->problem->cracks;
+    if (cracks && cracks->count > 0) {
+        PH_TRY(ph_i_run_cut(r, cracks, false, true, err));
+        PH_TRY(ph_i_run_rebuild(r, err));
+    }
+    PH_TRY(new_path(r, err));
 out:
     return st;
 }

@@ -426,12 +426,7 @@ static ph_status start(ph_course *c, ph_error *err)
     int ns = r->map->ns;
     unsigned stress = l->by_stress ? (1u << ns) - 1u : l->stress_free;
     double own = p->solver.tolerance;
-    if (p->cracks && p->cracks->count > 0) {
-        PH_TRY(ph_i_cracks_cut(p->cracks, &r->result->grid, r->setting.first, false,
-                               r->broken, err));
-        PH_TRY(ph_i_run_rebuild(r, err));
-    }
-    PH_TRY(ph_i_failure_path_new(r, err));
+    PH_TRY(ph_i_failure_begin(r, err));
     c->path = r->result->failure;
     for (int i = 0; i < ns; i++) {
         bool shear = i >= (ns == 3 ? 2 : 3);

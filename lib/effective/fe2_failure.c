@@ -72,7 +72,7 @@ static ph_status break_only(ph_fe2 *f, ph_fe2_worker *w, const ph_broken_bond *b
     w->built = false;
     if (cracks && cracks->count > 0)
         PH_TRY(ph_i_cracks_cut(cracks, &w->run.result->grid, w->run.setting.first, false,
-                               br, err));
+                               br, NULL, err));
     for (ptrdiff_t i = 0; i < nbonds; i++)
         PH_TRY(ph_i_break(br, bond[i].node, bond[i].bond, err));
     PH_TRY(ph_i_broken_settle(br, err));

@@ -401,7 +401,7 @@ void ph_i_work_add(ph_work *sum, const ph_work *more)
 }
 
 /* Cracks, held nodes and bonds have a load solved for each column. */
-static ph_status find_symmetry(ph_run *r, ph_error *err)
+ph_status ph_i_run_find_symmetry(ph_run *r, ph_error *err)
 {
     bool plain =
         !r->setting.source && !r->setting.fixed && !r->broken && !r->result->bond.present;
@@ -444,7 +444,7 @@ static ph_status answer(ph_run *r, double *solving, ph_error *err)
         analytic_answer(res, &exact, why);
         return PH_OK;
     }
-    PH_TRY(find_symmetry(r, err));
+    PH_TRY(ph_i_run_find_symmetry(r, err));
     PH_TRY(ph_i_run_build(r, err));
     double start = ph_i_run_now();
     r->keep_fields = r->problem->keep_fields;

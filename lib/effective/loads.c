@@ -333,6 +333,12 @@ static int count_of(unsigned loads)
     return count;
 }
 
+unsigned ph_i_run_solved_loads(const ph_run *r)
+{
+    unsigned loads = wanted_loads(r);
+    return r->symmetry.count ? ph_i_symmetry_loads(&r->symmetry, loads) : loads;
+}
+
 static void say_symmetry(const ph_run *r)
 {
     int follow = count_of(r->result->loads & ~r->result->solved);
@@ -346,10 +352,9 @@ ph_status ph_i_run_loads(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
-    unsigned wanted = wanted_loads(r), loads = wanted;
+    unsigned wanted = wanted_loads(r), loads = ph_i_run_solved_loads(r);
     int number = 0;
     bool all_fields = r->keep_fields || ph_i_run_second_order(r);
-    if (r->symmetry.count) loads = ph_i_symmetry_loads(&r->symmetry, wanted);
     if (!res->fields) PH_ALLOC(res->fields, count_of(wanted), "fields");
     r->columns.n = r->map->ns;
     for (int a = 0; a < r->map->ns; a++) {

@@ -70,6 +70,10 @@ void ph_i_run_clear(ph_run *run);
  *  of a periodic cell; false where equations are to be solved. @param[out] why [64] */
 bool ph_i_run_closed_form(const ph_run *run, ph_sym4 *stiffness, char *why);
 unsigned ph_i_run_all_loads(const ph_result *result);
+/** What run->symmetry can be. Needs ph_i_run_prepare. */
+ph_status ph_i_run_find_symmetry(ph_run *run, ph_error *err);
+/** The loads that equations are solved for: those from which all that is wanted follows. */
+unsigned ph_i_run_solved_loads(const ph_run *run);
 
 /** Node of the RVE at a node of the box that is solved, or -1: it is outside. */
 ptrdiff_t ph_i_run_node_of_rve(const ph_run *run, ptrdiff_t node);
@@ -83,6 +87,16 @@ ph_status ph_i_run_damage(ph_run *run, ph_error *err);
 ph_status ph_i_damage_begin(ph_run *run, ph_sequence_kind kind, int nsteps,
                             ph_error *err);
 ph_status ph_i_damage_step(ph_run *run, ph_damage_step *step, bool apart, ph_error *err);
+/** Cut the bonds that cross the cracks. @param[in] inside those of the collar stay whole
+ *  @param[in] note say how many cracks cut none */
+ph_status ph_i_run_cut(ph_run *run, const ph_cracks *cracks, bool inside, bool note,
+                       ph_error *err);
+/** Those of the problem, as they are in its last step, with notes. @param[out] density and
+ *  number of them, 0 where there are none */
+ph_status ph_i_run_cut_last(ph_run *run, double *density, ptrdiff_t *count,
+                            ph_error *err);
+/** Is the collar of a material of its own, which cracks do not reach? */
+bool ph_i_run_whole_collar(const ph_run *run);
 /** Tangents and damage tensors of all steps, when they are there. */
 void ph_i_damage_measures(ph_result *result);
 

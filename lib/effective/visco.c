@@ -270,15 +270,13 @@ static ph_status cut_cracks(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     const ph_problem *p = r->problem;
-    bool outside = r->setting.source && p->constraint.collar == PH_COLLAR_MATRIX;
     if (!r->broken) return PH_OK;
     PH_CHECK_KEY(!p->sequence || p->sequence->kind == PH_SEQUENCE_NONE, PH_EINVAL,
                  "sequence",
                  "a cell that relaxes has its cracks from the beginning: leave out the "
                  "sequence");
     if (p->cracks && !p->loading) /* a failure begins with the whole cell */
-        PH_TRY(ph_i_cracks_cut(p->cracks, &r->result->grid, r->setting.first, outside,
-                               r->broken, err));
+        PH_TRY(ph_i_run_cut(r, p->cracks, ph_i_run_whole_collar(r), true, err));
     ph_i_broken_seen(r->broken);
 out:
     return st;

@@ -91,9 +91,10 @@ double ph_i_polygon_radius(ptrdiff_t count, const double (*vertex)[3]);
  *  @param[in] rve   whose period repeats the cracks
  *  @param[in] first cell of the box where the RVE begins
  *  @param[in] inside bonds without an end in the RVE stay whole
+ *  @param[out] missed cracks that cross no bond, shorter than the lattice can tell; may be NULL
  *  Settles `broken`. Cost: nodes near the cracks x family. */
 ph_status ph_i_cracks_cut(const ph_cracks *cracks, const ph_grid *rve,
                           const ptrdiff_t first[3], bool inside, ph_broken *broken,
-                          ph_error *err);
+                          ptrdiff_t *missed, ph_error *err);
 
 #endif

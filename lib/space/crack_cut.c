@@ -29,6 +29,7 @@ typedef struct cutter {
     double longest;         /* bond */
     double tolerance;       /* a length */
     double shift[3];        /* of the image */
+    bool met;               /* the crack at hand crosses a bond */
 } cutter;
 
 /* ---- pieces ------------------------------------------------------------------------------ */
@@ -178,7 +179,7 @@ static bool in_rve(const cutter *c, const ptrdiff_t at[3], const int o[3])
     return true;
 }
 
-static ph_status cut_at_node(const cutter *c, const piece *p, const ptrdiff_t at[3],
+static ph_status cut_at_node(cutter *c, const piece *p, const ptrdiff_t at[3],
                              ph_error *err)
 {
     ph_status st = PH_OK;
@@ -198,6 +199,7 @@ static ph_status cut_at_node(const cutter *c, const piece *p, const ptrdiff_t at
         if (!is_cut(c, p, x, s, f->xi[b])) continue;
         if (c->inside && !here && !in_rve(c, at, f->offset[b])) continue;
         PH_TRY(ph_i_break(c->broken, node, b, err));
+        c->met = true;
     }
 out:
     return st;
@@ -220,7 +222,7 @@ static bool reach_box(const cutter *c, const piece *p, ptrdiff_t from[3], ptrdif
     return true;
 }
 
-static ph_status cut_image(const cutter *c, const piece *p, ph_error *err)
+static ph_status cut_image(cutter *c, const piece *p, ph_error *err)
 {
     ph_status st = PH_OK;
     ptrdiff_t from[3], to[3], at[3];
@@ -288,20 +290,33 @@ out:
     return st;
 }
 
-static ph_status cut_all(cutter *c, const ph_cracks *cracks, ph_error *err)
+static ph_status cut_crack(cutter *c, const ph_crack *k, const double (*v)[3],
+                           ph_error *err)
 {
     ph_status st = PH_OK;
+    piece p;
+    for (ptrdiff_t s = 1; k->shape == PH_CRACK_LINE && s < k->count; s++) {
+        p = line_piece(k, v[s - 1], v[s]);
+        PH_TRY(cut_piece(c, &p, err));
+    }
+    if (k->shape == PH_CRACK_LINE) goto out;
+    p = k->shape == PH_CRACK_ELLIPSE ? ellipse_piece(k) : polygon_piece(k, v);
+    PH_TRY(cut_piece(c, &p, err));
+out:
+    return st;
+}
+
+/* @param[out] met how many of the cracks cross a bond */
+static ph_status cut_all(cutter *c, const ph_cracks *cracks, ptrdiff_t *met,
+                         ph_error *err)
+{
+    ph_status st = PH_OK;
+    *met = 0;
     for (ptrdiff_t i = 0; i < cracks->count; i++) {
         const ph_crack *k = &cracks->crack[i];
-        const double(*v)[3] = (const double(*)[3])(cracks->vertex + k->first);
-        piece p;
-        for (ptrdiff_t s = 1; k->shape == PH_CRACK_LINE && s < k->count; s++) {
-            p = line_piece(k, v[s - 1], v[s]);
-            PH_TRY(cut_piece(c, &p, err));
-        }
-        if (k->shape == PH_CRACK_LINE) continue;
-        p = k->shape == PH_CRACK_ELLIPSE ? ellipse_piece(k) : polygon_piece(k, v);
-        PH_TRY(cut_piece(c, &p, err));
+        c->met = false;
+        PH_TRY(cut_crack(c, k, (const double(*)[3])(cracks->vertex + k->first), err));
+        *met += c->met;
     }
 out:
     return st;
@@ -309,16 +324,18 @@ out:
 
 ph_status ph_i_cracks_cut(const ph_cracks *cracks, const ph_grid *rve,
                           const ptrdiff_t first[3], bool inside, ph_broken *broken,
-                          ph_error *err)
+                          ptrdiff_t *missed, ph_error *err)
 {
     ph_status st = PH_OK;
+    ptrdiff_t met;
     cutter c = {.broken = broken, .rve = rve, .first = first, .inside = inside};
     ph_cracks shorter = {0};
     PH_TRY(cutter_init(&c, err));
     if (broken->tips > 0.0)
         PH_TRY(ph_i_cracks_shorten(cracks, broken->tips, &shorter, err));
-    PH_TRY(cut_all(&c, broken->tips > 0.0 ? &shorter : cracks, err));
+    PH_TRY(cut_all(&c, broken->tips > 0.0 ? &shorter : cracks, &met, err));
     PH_TRY(ph_i_broken_settle(broken, err));
+    if (missed) *missed = cracks->count - met;
 out:
     ph_cracks_free(&shorter);
     free(c.half);

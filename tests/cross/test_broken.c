@@ -248,7 +248,7 @@ static void fragment(void **state)
     ptrdiff_t none[3] = {0, 0, 0};
     CHECK_OK(ph_i_broken_new(g, c.family, &c.meter, &broken, &err));
     CHECK_OK(ph_cracks_add_line(&cracks, 5, (const double(*)[3])ring, &err));
-    CHECK_OK(ph_i_cracks_cut(&cracks, g, none, false, broken, &err));
+    CHECK_OK(ph_i_cracks_cut(&cracks, g, none, false, broken, NULL, &err));
     c.params.broken = broken;
     CHECK_OK(ph_i_operator_new(g, c.map, &c.params, &c.meter, &op, &err));
     if (op) CHECK_OK(ph_i_operator_in_space(op, &err));

@@ -35,7 +35,7 @@ static ph_sym4 stiffness_with(trial *t, const char *constraint,
     CHECK_OK(ph_i_run_prepare(&r, &err));
     CHECK_OK(ph_i_run_build(&r, &err));
     CHECK_OK(ph_i_cracks_cut(&t->cracks, &r.result->grid, r.setting.first, false,
-                             r.broken, &err));
+                             r.broken, NULL, &err));
     for (ptrdiff_t i = 0; i < count; i++)
         CHECK_OK(ph_i_break(r.broken, in_box(&r, path->bond[i].node), path->bond[i].bond,
                             &err));
