@@ -419,6 +419,12 @@ static double worst_correction(const ph_sym4 *m, const ph_sym4 *c, double least)
     return worst;
 }
 
+/* Cracks may leave nothing at all: what matters is small beside the whole cell. */
+static double least_stiffness(const ph_run *r)
+{
+    return (r->broken ? 1e-3 : 1e-6) * r->map->softest;
+}
+
 /* Second-order entries. Where the correction is as large as the answer, its square is not
  * small either (measured: a tenth of the answer goes with an error of a percent). */
 static ph_status refine(ph_run *r, ph_sym4 *c, ph_error *err)
@@ -432,9 +438,7 @@ static ph_status refine(ph_run *r, ph_sym4 *c, ph_error *err)
             c->m[a][b] = c->m[b][a] = r->columns.m[a][b] - r->second.m[a][b];
         }
     if (r->symmetry.count) ph_i_symmetry_average(&r->symmetry, c);
-    /* Cracks may leave nothing at all: what matters is small beside the whole cell. */
-    double least = (r->broken ? 1e-3 : 1e-6) * r->map->softest;
-    double off = worst_correction(&r->second, c, least);
+    double off = worst_correction(&r->second, c, least_stiffness(r));
     r->result->converged = off <= 0.1;
     r->result->second_order = true;
     r->result->stiffness = *c;
@@ -471,7 +475,7 @@ ph_status ph_i_run_stiffness(ph_run *r, ph_error *err)
                 off += 2.0 * d * d;
                 c.m[i][j] = c.m[j][i] = 0.5 * (c.m[i][j] + c.m[j][i]);
             }
-        double size = ph_sym4_norm(&c);
+        double size = fmax(ph_sym4_norm(&c), least_stiffness(r));
         res->asymmetry = size > 0.0 ? sqrt(off) / size : 0.0;
         st = refine(r, &c, err);
     }

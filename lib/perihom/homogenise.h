@@ -160,7 +160,9 @@ typedef struct ph_result {
     double hill_mandel;    /* worst load: |<s:e> - <s>:<e>| / |<s:e>|, the energy of
                                   * the stabilisation counted with <s:e> */
     double strain_average; /* worst load: |<e> - eps_bar| / |eps_bar| */
-    double asymmetry;      /* |C - C^T| / |C| before C was made symmetric */
+    /* |C - C^T| / |C| before C was made symmetric; where cracks leave less than 1e-3 of the
+     * softest phase, over that */
+    double asymmetry;
     bool
         second_order; /* entries are energies of pairs of fields, not averages of stress */
     double stabilisation_energy; /* worst load: share of the total energy */
@@ -199,11 +201,16 @@ PH_API ph_status ph_homogenise(const ph_problem *problem, const ph_ctx *ctx,
                                ph_result **out, ph_error *err);
 PH_API void ph_result_free(ph_result **result);
 
-/** What a problem would take, without solving it. */
+/** What a problem would take, without solving it: counted operations times what they took on
+ *  one thread of the machine of docs/performance.md. */
 typedef struct ph_estimate {
     ptrdiff_t nodes, unknowns;
     size_t bytes;
-    double seconds; /* rough: from operation counts */
+    int loads;           /* that the equations are solved for, in each step */
+    double seconds_load; /* of one load of the pristine cell, solved from nothing */
+    double seconds; /* of all. Bonds that break: until a crack runs through the cell */
+    double seconds_least; /* of all, if no bond breaks; else as `seconds` */
+    ptrdiff_t bonds;      /* that such a crack cuts; 0: none breaks */
     char notes[PH_MAX_NOTES][256];
     int nnotes;
 } ph_estimate;
