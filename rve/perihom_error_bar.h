@@ -16,6 +16,13 @@ extern "C" {
 PH_API const char *ph_rve_companion_nodes(const ph_case *c, ptrdiff_t nodes[3],
                                           double *ratio);
 
+/** What a case would take with its companions, and as its materials relax: the estimate of
+ *  ph_homogenise_estimate and that of the companions. Nothing is solved.
+ *  @param[in] problem of the case
+ *  @return PH_OK; PH_EINVAL; PH_ENOMEM. Tested: tests/unit/test_cost.c */
+PH_API ph_status ph_rve_estimate(const ph_case *c, const ph_problem *problem,
+                                 ph_estimate *out, ph_error *err);
+
 /** Solve the companions that c->error_parts asks for and put the error bars into `result`.
  *
  *  Does nothing where no part is wanted, or the result has not converged or lacks columns.

@@ -51,6 +51,16 @@ $ perihom check small.yaml --json | json_get schema
 $ perihom check small.yaml --set microstructure.nodes=\[32,16] --json | json_get estimate.nodes
 > 512
 
+# A crack that no bond crosses, said before and after.
+$ perihom check cracked.yaml --set sequence= --set 'cracks=[{from: [0.4137, 0.4613], to: [0.4138, 0.4613]}]' | grep 'cut no bond'; perihom run cracked.yaml -q -o uncut --set sequence= --set 'cracks=[{from: [0.4137, 0.4613], to: [0.4138, 0.4613]}]' | grep 'cut no bond'; rm -r uncut
+> # 1 of 1 cracks cut no bond and count for nothing: *
+> note        1 of 1 cracks cut no bond and count for nothing: *
+
+# Bonds that break: until a crack is through, and if none breaks.
+$ perihom check cracked.yaml --set sequence= --set 'failure={matrix: {critical_stretch: 0.01}}' --set 'loading={strain: [0, 1, 0], to: 0.01, steps: 4}' | grep -A 1 '^# memory'
+> # memory about *, time about * on one thread
+> # that is the time until a crack runs through the cell, * bonds; * if none breaks
+
 $ perihom check missing.yaml
 ! perihom: error: *missing.yaml*
 ? 5

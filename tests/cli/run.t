@@ -196,11 +196,11 @@ $ perihom run small.yaml -q --json --set model.points=stress --set solver.precis
 > "single"
 
 $ perihom run small.yaml --set model.points=nodes --set solver.precision=single -o never
-! perihom: error: precision single cannot take this case: it takes points stress with their smallest family, or model local
+! small.yaml: --set solver.precision: 'single' is not admissible: precision single cannot take this case: it takes points stress with their smallest family, or model local
 ? 3
 
 $ perihom check small.yaml --set model.points=nodes --set solver.precision=single
-! perihom: error: precision single cannot take this case: *
+! small.yaml: --set solver.precision: 'single' is not admissible: precision single cannot take this case: *
 ? 3
 
 $ perihom check small.yaml --set solver.precision=auto --set model.points=stress | grep precision
