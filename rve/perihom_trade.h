@@ -109,8 +109,9 @@ typedef struct ph_trade {
     int nrows, capacity;
     ph_trade_row *row;
     ph_trade_advice advice[PH_TRADE_TARGETS];
-    double cpu;    /* of all rows */
-    bool complete; /* there is a reference, and nothing was skipped */
+    char unsolved[256]; /* why no grid of the case as it is was solved; "": one was */
+    double cpu;         /* of all rows */
+    bool complete;      /* there is a reference, and nothing was skipped */
 } ph_trade;
 PH_API void ph_trade_free(ph_trade **trade);
 

@@ -55,10 +55,10 @@ static const verb_spec trade_verb = {
                  "errors against known values"}},
     .options = options,
     .noptions = sizeof options / sizeof *options,
-    .more =
-        "exit codes: 0 done, 2 usage, 3 case not admissible, 4 no reference, 5 file or "
-        "memory,\n130 interrupted "
-        "(rows so far are kept; the same command goes on)",
+    .more = "exit codes: 0 done, 2 usage, 3 case not admissible, 4 no reference, or "
+            "the case itself not solved, 5 file or "
+            "memory,\n130 interrupted "
+            "(rows so far are kept; the same command goes on)",
 };
 
 enum { WORDS = 32 };
@@ -292,6 +292,9 @@ static int run_trade(trade *m)
         st = ph_error_set(&err, PH_ENOCONV, NULL, 0,
                           "there is nothing that errors are relative to; --reference "
                           "or a solvable ladder of grids gives it");
+    if (st == PH_OK && m->t->unsolved[0]) /* what others reach says nothing of the case */
+        st = ph_error_set(&err, PH_ENOCONV, NULL, 0, "the case itself is not solved: %s",
+                          m->t->unsolved);
     if (st == PH_ECANCELLED)
         talk("interrupted; the same command goes on");
     else if (st != PH_OK && !(said && !m->t))

@@ -217,17 +217,35 @@ bool ph_i_trade_has_reference(const ph_trade *t)
     return true;
 }
 
-/* A grid is no reference of itself. */
-static void have_none(ph_trade *t)
+/* The first grid of the case as it is that has no solution; how many have one. */
+static const ph_trade_row *first_unsolved(const ph_trade *t, int *solved)
 {
     const ph_trade_row *first = NULL;
-    int solved = 0;
+    *solved = 0;
     for (int i = 0; i < t->nrows; i++) {
         const ph_trade_row *r = &t->row[i];
         if (!is_base(r)) continue;
-        solved += r->state == PH_TRADE_DONE;
+        *solved += r->state == PH_TRADE_DONE;
         if (!first && r->state != PH_TRADE_DONE) first = r;
     }
+    return first;
+}
+
+void ph_i_trade_say_unsolved(ph_trade *t)
+{
+    int solved;
+    const ph_trade_row *first = first_unsolved(t, &solved);
+    t->unsolved[0] = 0;
+    if (!solved)
+        snprintf(t->unsolved, sizeof t->unsolved, "%s",
+                 first ? first->reason : "no grid was tried");
+}
+
+/* A grid is no reference of itself. */
+static void have_none(ph_trade *t)
+{
+    int solved;
+    const ph_trade_row *first = first_unsolved(t, &solved);
     for (int k = 0; k < t->nconstants; k++)
         t->reference[k] = NAN;
     t->complete = false;

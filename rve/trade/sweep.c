@@ -273,6 +273,7 @@ static ph_status sweep(ph_i_trade *s, ph_error *err)
     ph_trade *t = s->t;
     s->planned = s->nrungs * (int)(sizeof crossed / sizeof *crossed);
     PH_TRY(sweep_grids(s, err));
+    ph_i_trade_say_unsolved(t);
     if (!s->given) ph_i_trade_find_reference(t);
     ph_trade_judge(t);
     if (!ph_i_trade_has_reference(t)) goto out; /* nothing more can be judged */

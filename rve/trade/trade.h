@@ -55,6 +55,8 @@ ph_status ph_i_trade_begin(ph_i_trade *s, ph_error *err);
 /** The reference from the two finest grids of the case as it is; none where fewer are solved. */
 void ph_i_trade_find_reference(ph_trade *t);
 bool ph_i_trade_has_reference(const ph_trade *t);
+/** Fill t->unsolved. */
+void ph_i_trade_say_unsolved(ph_trade *t);
 
 /* ---- judge.c */
 

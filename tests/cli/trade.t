@@ -52,6 +52,11 @@ $ perihom trade cracked.yaml --finest 12 -q -o severed
 ! perihom: error: *
 ? 4
 
+# Nor does a given reference make it one that is solved.
+$ perihom trade cracked.yaml --finest 12 -q -o severed-known --reference E1=1 --knobs nodes >/dev/null
+! perihom: error: the case itself is not solved: *inverse*
+? 4
+
 $ perihom trade "$root/data/cases/delayed-debonding.yaml" -q -o breaking
 ! perihom: error: a trade is of effective constants, not of bonds that break: the case has a loading
 ? 3
