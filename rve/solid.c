@@ -228,6 +228,7 @@ static const double gk_gauss[4] = {0, 0.555555555555555555555555555555556, 0,
 
 typedef struct box {
     const ph_solid *solid;
+    int slice; /* axis across which it is cut into sections */
     const double *lo, *hi;
     double tolerance; /* of a piece, per length */
 } box;
@@ -238,8 +239,8 @@ static double sections(const box *b, double from, double to, int depth)
     for (int i = 0; i < 4; i++) {
         double f = 0;
         for (int side = -1; side <= (i < 3 ? 1 : -1); side += 2)
-            f += ph_i_solid_section(b->solid, b->solid->slice,
-                                    middle + side * half * gk_node[i], b->lo, b->hi);
+            f += ph_i_solid_section(b->solid, b->slice, middle + side * half * gk_node[i],
+                                    b->lo, b->hi);
         kronrod += gk_kronrod[i] * f;
         gauss += gk_gauss[i] * f;
     }
@@ -265,7 +266,7 @@ static void add_piece(double *at, int *n, double to, double t)
 static int find_pieces(const box *b, double from, double to, double *at)
 {
     const ph_solid *s = b->solid;
-    int a = s->slice, u = (a + 1) % 3, v = (a + 2) % 3, n = 0;
+    int a = b->slice, u = (a + 1) % 3, v = (a + 2) % 3, n = 0;
     double round = 0;
     at[n++] = from;
     for (int edge = 0; edge < 4; edge++) {
@@ -290,17 +291,34 @@ static int find_pieces(const box *b, double from, double to, double *at)
     return n;
 }
 
+/* A solid without flat ends can be sliced along any axis. Along the odd one of the box its
+ * sections know no difference between the two that are alike, and images that a turn about
+ * that axis makes of one another get the same share of their cells. */
+static int slice_of(const ph_solid *s, const double lo[3], const double hi[3])
+{
+    int best = s->slice;
+    double least = INFINITY;
+    for (int i = 0; i < 3; i++)
+        if (s->kind[i] != PH_EXTENT_ROUND) return s->slice;
+    for (int i = 0; i < 3; i++) {
+        int a = (s->slice + i) % 3, u = (a + 1) % 3, v = (a + 2) % 3;
+        double p = hi[u] - lo[u], q = hi[v] - lo[v], off = fabs(p - q) / (p + q);
+        if (off < least - 1e-9) least = off, best = a;
+    }
+    return best;
+}
+
 double ph_solid_overlap(const ph_solid *s, int dimensions, const double lo[3],
                         const double hi[3])
 {
     if (!s || !lo || !hi) return NAN;
     if (dimensions == 2) return ph_i_solid_section(s, 2, s->centre[2], lo, hi);
-    int a = s->slice, u = (a + 1) % 3, v = (a + 2) % 3;
+    int a = slice_of(s, lo, hi), u = (a + 1) % 3, v = (a + 2) % 3;
     double from = fmax(lo[a], s->centre[a] - s->bounds[a]), sum = 0, at[PIECES_MAX];
     double to = fmin(hi[a], s->centre[a] + s->bounds[a]);
     if (from >= to) return 0;
     if (s->prism) return (to - from) * ph_i_solid_section(s, a, s->centre[a], lo, hi);
-    box b = {s, lo, hi, 2e-7 * (hi[u] - lo[u]) * (hi[v] - lo[v])};
+    box b = {s, a, lo, hi, 2e-7 * (hi[u] - lo[u]) * (hi[v] - lo[v])};
     int n = find_pieces(&b, from, to, at);
     for (int i = 0; i + 1 < n; i++) { /* halves: one rule alone is deceived more easily */
         double mid = (at[i] + at[i + 1]) / 2;

@@ -336,6 +336,41 @@ static void test_what_is_wrong_is_said(void **state)
     CHECK_END();
 }
 
+/* A box with two equal edges, and the one that a half turn about a diagonal makes of it: the
+ * sphere has the same share of both, to the rounding of sums of some hundred terms. */
+static void test_turned_boxes(void **state)
+{
+    (void)state;
+    uint64_t seed = check_seed();
+    const double size[3] = {1, 1, 1};
+    const ptrdiff_t n[3] = {8, 8, 8};
+    ph_error err = PH_ERROR_INIT;
+    ph_grid grid;
+    ph_solid s;
+    ph_inclusion inc = no_inclusion("sphere", 1);
+    inc.centre[0] = inc.centre[1] = inc.centre[2] = 0.5;
+    inc.radius = 0.49;
+    CHECK_OK(ph_grid_init(&grid, PH_SPACE, n, size, &err));
+    CHECK_OK(ph_shape_place(&inc, &grid, &s, &err));
+    for (int t = 0; t < check_trials(60); t++) {
+        int odd = t % 3, u = (odd + 1) % 3, v = (odd + 2) % 3;
+        double edge[3], lo[3], hi[3], to_lo[3], to_hi[3];
+        edge[u] = edge[v] = 0.2;
+        edge[odd] = check_uniform(&seed, 0.05, 0.3);
+        cell_on_surface(&s, 3, 0.2, &seed, lo, hi);
+        for (int a = 0; a < 3; a++)
+            hi[a] = lo[a] + edge[a];
+        for (int a = 0; a < 3; a++) {
+            int b = a == odd ? a : a == u ? v : u;
+            to_lo[a] = lo[b], to_hi[a] = hi[b];
+        }
+        double share = ph_solid_overlap(&s, 3, lo, hi) / box_volume(3, lo, hi);
+        CHECK_ABS(ph_solid_overlap(&s, 3, to_lo, to_hi) / box_volume(3, lo, hi), share,
+                  1e-13);
+    }
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -344,6 +379,7 @@ int main(void)
         cmocka_unit_test(test_area_vector_is_derivative),
         cmocka_unit_test(test_area_vector_is_level_normal),
         cmocka_unit_test(test_level_is_below_distance),
+        cmocka_unit_test(test_turned_boxes),
         cmocka_unit_test(test_whole_volumes),
         cmocka_unit_test(test_frames),
         cmocka_unit_test(test_fraction_gives_radius),
