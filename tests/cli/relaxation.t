@@ -90,7 +90,7 @@ $ perihom run relaxing.yaml --set viscoelastic.route=carson --json -q -o carson 
 > result.json
 
 # Routes without a series write what they computed.
-$ perihom run relaxing.yaml --set viscoelastic.route=stepping --set 'viscoelastic.times=[1,2]' -q -o step > out 2> said; ls step; head -1 step/relaxation.csv; grep -c '^ *[12] ' out
+$ perihom run relaxing.yaml --set viscoelastic.route=stepping --set 'viscoelastic.times=[1,2]' -q -o step > out 2> said; ls step; head -1 step/relaxation.csv; grep -c '^ *[12]  ' out
 > phases.png
 > relaxation.csv
 > relaxation.svg
