@@ -68,7 +68,8 @@ def study(path):
             for f in c["fidelity"]:
                 advice = next(a for a in c["advice"] if abs(a["accuracy"] - f["target"]) < 1e-9)
                 best = c["rows"][advice["row"]]["cost"] if advice["row"] is not None else None
-                row = {"seed": c["seed"], "dimension": c["dimension"], "target": f["target"],
+                command = f.get("command", {})
+                row = {"seed": c["seed"], "command_cpu": command.get("cpu"), "best_command_cpu": command.get("best_cpu"), "dimension": c["dimension"], "target": f["target"],
                        "reference_error": c["reference_error"], "code": f["code"],
                        "best_operations": best and best["work"], "best_cpu": best and best["cpu_seconds"],
                        "same_operations": same_family(c["rows"], f["target"])}
@@ -210,12 +211,14 @@ def study_table(rows):
         solved = [r for r in mine if r["code"] == 0]
         good = sum(r["error"] <= t for r in solved)
         ratio = {k: [r[a] / r[b] for r in solved if r[a] and r[b]] for k, a, b in (
-            ("operations", "operations", "best_operations"), ("cpu", "cpu", "best_cpu"), ("same", "operations", "same_operations"))}
+            ("operations", "operations", "best_operations"), ("cpu", "cpu", "best_cpu"), ("same", "operations", "same_operations"),
+            ("command", "command_cpu", "best_command_cpu"))}
         cell = lambda x: f"{number(median(x))} ({100 * sum(v <= 2 for v in x) / len(x):.0f} %)" if x else ""
         out.append([f"{100 * t:g} %", len(mine), f"{good} ({100 * good / len(mine):.0f} %)" if mine else "",
-                    number(median([r["error"] / t for r in solved])), number(median([r["cpu"] for r in solved if r["cpu"]])), cell(ratio["operations"]), cell(ratio["same"]), cell(ratio["cpu"])])
+                    number(median([r["error"] / t for r in solved])), number(median([r["cpu"] for r in solved if r["cpu"]])), cell(ratio["operations"]), cell(ratio["same"]), cell(ratio["cpu"]), cell(ratio["command"])])
     return table(["accuracy", "cases", "within it", "error over accuracy, median", "CPU s, median", "operations over the best setting's, median (at most 2)",
-                  "over the best with the same points and interface", "CPU seconds over the best setting's"], out)
+                  "over the best with the same points and interface", "CPU seconds over the best setting's",
+                  "the same of the whole command"], out)
 
 
 def put(text, name, lines):
