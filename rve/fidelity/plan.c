@@ -11,9 +11,8 @@ static const double slope_2d = 0.065, slope_3d = 0.13;
 static const double node_centre = 2.4; /* error of node centres over that of cut cells */
 /* Up to here errors fall faster than the law: slope / n sqrt(few / n). */
 static const double few = 8;
-/* Nodes for this share of the accuracy, which is that of the grid, what is offered being
- * better. */
-static const double enough = 1 / 1.2;
+/* The first grid is expected to be off by so many accuracies; what is offered is better. */
+static const double first_2d = 1 / 1.2, first_3d = 1 / 0.6;
 static const double for_solver = 0.1;  /* of the accuracy, in energy */
 static const double most_spread = 6.9; /* ln 1000: voids have no Reuss bound */
 static const double high_contrast = 1e3;
@@ -149,7 +148,8 @@ double ph_i_fidelity_expected(const ph_fidelity_plan *p, double n)
 
 static void choose_grid(const ph_case *c, ph_fidelity_plan *p)
 {
-    double n = pow(sqrt(few) * p->slope / (enough * p->accuracy), 2.0 / 3.0);
+    double first = ph_i_fidelity_axes(c) == 3 ? first_3d : first_2d;
+    double n = pow(sqrt(few) * p->slope / (first * p->accuracy), 2.0 / 3.0);
     ptrdiff_t least = c->ncracks > 0 ? FEWEST_CRACKED : FEWEST;
     if (c->nfillers > 0) { /* the grid shows the fillers */
         ptrdiff_t drawn = ph_i_fidelity_longest(c->drawn_on);

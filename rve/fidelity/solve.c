@@ -9,12 +9,15 @@
 #include <time.h>
 
 /* Set on random cells that the study does not hold, docs/accuracy-costs.md. */
-static const double order = 1.7;       /* of what is taken away */
-static const double estimated = 1.8;   /* error over the mean of what two grids say ... */
-static const double foreseen = 0.3;    /* ... and, with this weight, what the plan says */
-static const double falls_as = 1.3;    /* order at which the next grid is chosen */
+static const double order = 1.7; /* of what is taken away */
+/* Estimated error: k |d|^(1-w) e^w of what two grids and the plan say; next grids are chosen as
+ * if it fell as n^-q. Errors are smoother in space. */
+typedef struct estimate {
+    double k, w, q;
+} estimate;
+static const estimate in_plane = {1.6, 0.2, 1.3}, in_space = {0.9, 0.0, 1.7};
 static const double least_step = 1.15; /* nodes of the next grid over those of this */
-static const double most_step = 3;
+static const double most_step = 2;
 static const double more_bytes = 1.1;
 static const double slower = 1.3; /* seconds of the next grid over their prediction */
 /* Companions of a grid: ratios of nodes that tell the law from the noise. */
@@ -191,6 +194,11 @@ static bool is_physical(const search *s, const ph_sym4 *offered, const ph_sym4 *
     return true;
 }
 
+static const estimate *estimate_of(const search *s)
+{
+    return ph_i_fidelity_axes(s->c) == 3 ? &in_space : &in_plane;
+}
+
 /* The offered stiffness, and its error. */
 static double judge(search *s, ph_sym4 *offered, bool *improved)
 {
@@ -199,13 +207,13 @@ static double judge(search *s, ph_sym4 *offered, bool *improved)
     double step = 1 / (pow(ratio, order) - 1);
     double raw = distance(s, &coarse->stiffness, &fine->stiffness) / (ratio - 1);
     double expected = ph_i_fidelity_expected(&s->f->plan, (double)fine->n), error = raw;
+    const estimate *by = estimate_of(s);
     *offered = ph_sym4_combine(1 + step, &fine->stiffness, -step, &coarse->stiffness);
     *improved = is_physical(s, offered, &fine->stiffness);
     if (*improved) {
         double moved = distance(s, &fine->stiffness, offered);
-        error = estimated * moved;
-        if (expected > 0)
-            error = estimated * pow(moved, 1 - foreseen) * pow(expected, foreseen);
+        error = by->k * moved;
+        if (expected > 0) error = by->k * pow(moved, 1 - by->w) * pow(expected, by->w);
     } else
         *offered = fine->stiffness;
     s->left = raw > 0 ? error / raw : 1;
@@ -315,7 +323,7 @@ static void offer(search *s)
 static ptrdiff_t next_grid(const search *s)
 {
     const ph_fidelity *f = s->f;
-    double more = pow(f->error / f->plan.accuracy, 1 / falls_as);
+    double more = pow(f->error / f->plan.accuracy, 1 / estimate_of(s)->q);
     more = fmin(fmax(more, least_step), most_step);
     ptrdiff_t n = ph_i_fidelity_round(more * (double)s->fine.n);
     return n > s->fine.n ? n : ph_i_fidelity_round((double)s->fine.n + 1);
