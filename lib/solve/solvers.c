@@ -118,7 +118,7 @@ static const char *no_gain(const ph_solver_params *p, const ph_system *system)
         return "phases relax: their residuals are below what floats hold";
     if (p->energy > 0.0) return "the energy that is left is bounded in doubles alone";
     if (!(p->tolerance >= PH_SINGLE_LIMIT))
-        return "below a tolerance of 1e-5 floats are refined, and not faster";
+        return "below a tolerance of 1e-5 floats are refined, which gains little";
     if (cells_of(system) < worthwhile_cells)
         return "floats are not faster on fewer than 32768 cells";
     if (system->map->spread > most_spread)

@@ -205,7 +205,7 @@ $ perihom check small.yaml --set model.points=nodes --set solver.precision=singl
 
 $ perihom check small.yaml --set solver.precision=auto --set model.points=stress | grep precision
 >   precision: "auto"
-> # precision: double (below a tolerance of 1e-5 floats are refined, and not faster)
+> # precision: double (below a tolerance of 1e-5 floats are refined, which gains little)
 
 $ perihom list precisions | grep -v ' valid:\| ref:'
 > double * 53 bits
