@@ -326,6 +326,9 @@ ph_status ph_i_fft_cg_single_solve(void *state, const double *load, double *u,
     ph_status st = PH_OK;
     single *s = state;
     report->guessed = false;
+    /* Energies of scaled floats bound nothing: the tolerance alone decides. */
+    report->least = report->energy_most = report->energy_share = 0.0;
+    report->look_back = 0;
     if (report->tolerance < single_limit) {
         st = refine(s, load, report, err);
         if (s->sum) memcpy(u, s->sum, field_size(s) * sizeof(double));

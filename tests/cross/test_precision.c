@@ -152,6 +152,26 @@ static void test_shapes(void **state)
     CHECK_END();
 }
 
+/* Loads in floats do not stop by energy, which they have no bound of. */
+static void test_energy(void **state)
+{
+    (void)state;
+    ph_microstructure *m =
+        round_cell(PH_SPACE, 9, 0.2, isotropic("m", 1, 0.3), isotropic("f", 100, 0.3));
+    ph_problem p = {
+        .micro = m,
+        .model = models[1],
+        .solver = {.kind = "fft_cg", .tolerance = 1e-5, .precision = "single"}};
+    ph_result *plain = homogenise(&p);
+    p.solver.energy = 0.1;
+    ph_result *energy = homogenise(&p);
+    CHECK(plain && energy && plain->work.iterations == energy->work.iterations);
+    ph_result_free(&plain);
+    ph_result_free(&energy);
+    ph_microstructure_free(&m);
+    CHECK_END();
+}
+
 /* Constraint, points, solver, bonds: what is wrong, in words. */
 static void test_refusals(void **state)
 {
@@ -288,6 +308,7 @@ int main(void)
         cmocka_unit_test(test_memory),
         cmocka_unit_test(test_units),
         cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_energy),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_automatic),
         cmocka_unit_test(test_error_bar)};
