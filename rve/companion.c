@@ -36,40 +36,11 @@ const char *ph_rve_companion_nodes(const ph_case *c, ptrdiff_t nodes[3], double 
     return NULL;
 }
 
-static bool is_odd(const ptrdiff_t n[3])
-{
-    for (int a = 0; a < 3; a++)
-        if (n[a] > 1 && n[a] % 2) return true;
-    return false;
-}
-
-/* Why no coarser grid shows the same, or NULL. */
-static const char *no_companion(const ph_i_companion *k)
-{
-    if (k->c->loading.ntargets > 0)
-        return "bonds break: on another grid they take another path";
-    if (k->c->voxels.file[0] && is_odd(k->coarse.nodes))
-        return "an odd number of voxels cannot be halved";
-    if (k->c->voxels.file[0] && k->problem->micro->owner)
-        return "the fillers of a voxel file are as they are";
-    return NULL;
-}
-
 static bool draws_nodes(const ph_packing *p)
 {
     for (int i = 0; p && i < p->nkinds; i++)
         if (p->kind[i].counting == PH_COUNT_NODES) return true;
     return false;
-}
-
-/* Voxels that a coarser grid mixes are cut cells, whatever the case says of its own. */
-static ph_status build_voxels(ph_i_companion *k, ph_error *err)
-{
-    ph_status st = PH_OK;
-    PH_TRY(ph_i_coarsen(k->problem->micro, &k->micro, err));
-    k->coarse_problem.interface = PH_INTERFACE_COMPOSITE;
-out:
-    return st;
 }
 
 /* Fillers drawn node by node are squares of the grid that they were drawn on: grids that
@@ -81,27 +52,57 @@ static bool shows_nodes(const ph_case *c)
     return true;
 }
 
-/* Half the spacing. The horizon keeps its length, which is that of the interphase. */
+static bool is_bond(const ph_i_companion *k)
+{
+    const char *kind = k->problem->model.kind;
+    return kind && strcmp(kind, "bond") == 0;
+}
+
+/* The horizon keeps its length, which is that of the interphase, and the strength of bonds. */
+static void keep_horizon(ph_i_companion *k)
+{
+    ph_model_params *m = &k->coarse_problem.model;
+    bool stands_for_length = m->horizon > 0.0 || is_bond(k) || k->problem->loading;
+    if (m->horizon_is_length || !stands_for_length || !(k->horizon > 0.0)) return;
+    m->horizon = k->horizon;
+    m->horizon_is_length = true;
+}
+
+/* Half the spacing. */
 static const char *refine(ph_i_companion *k)
 {
     const ph_grid *g = &k->problem->micro->grid;
-    double cells = 1.0, spacing = 0.0;
+    double cells = 1.0;
     for (int a = 0; a < 3; a++) {
         k->coarse.nodes[a] = g->n[a] > 1 ? 2 * g->n[a] : g->n[a];
         cells *= (double)k->coarse.nodes[a];
-        if (g->n[a] > 1) spacing = fmax(spacing, g->size[a] / (double)g->n[a]);
     }
     k->ratio = 0.5;
     if (cells > most_finer_cells)
         return "fillers are drawn node by node: no coarser grid shows them, and a finer "
-               "one "
-               "has too many nodes";
-    ph_model_params *m = &k->coarse_problem.model;
-    if (m->horizon > 0.0 && !m->horizon_is_length) {
-        m->horizon *= spacing;
-        m->horizon_is_length = true;
-    }
+               "one has too many nodes";
+    keep_horizon(k);
     return NULL;
+}
+
+/* Fillers in voxels are as those that are drawn node by node, where bonds ask which is which.
+ * Voxels that a coarser grid mixes are cut cells, whatever the case says of its own. */
+static ph_status build_voxels(ph_i_companion *k, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_microstructure *m = k->problem->micro;
+    if (m->owner && is_bond(k)) {
+        const char *no = refine(k);
+        if (no)
+            snprintf(k->why, sizeof k->why, "%s", no);
+        else
+            PH_TRY(ph_i_refine(m, &k->micro, err));
+    } else {
+        PH_TRY(ph_i_coarsen(m, k->coarse.nodes, &k->micro, err));
+        k->coarse_problem.interface = PH_INTERFACE_COMPOSITE;
+    }
+out:
+    return st;
 }
 
 static ph_status build_shapes(ph_i_companion *k, ph_error *err)
@@ -128,8 +129,7 @@ ph_status ph_i_companion_build(ph_i_companion *k, ph_error *err)
     ptrdiff_t nodes[3];
     k->coarse = *k->c;
     memcpy(k->coarse.nodes, k->problem->micro->grid.n, sizeof k->coarse.nodes);
-    const char *no = no_companion(k);
-    if (!no) no = ph_rve_companion_nodes(&k->coarse, nodes, &k->ratio);
+    const char *no = ph_rve_companion_nodes(&k->coarse, nodes, &k->ratio);
     if (no) {
         snprintf(k->why, sizeof k->why, "%s", no);
         return PH_OK;
@@ -137,6 +137,7 @@ ph_status ph_i_companion_build(ph_i_companion *k, ph_error *err)
     memcpy(k->coarse.nodes, nodes, sizeof nodes);
     k->coarse_problem = *k->problem;
     k->coarse_problem.keep_fields = false;
+    if (k->problem->loading) keep_horizon(k);
     PH_TRY(k->c->voxels.file[0] ? build_voxels(k, err) : build_shapes(k, err));
     PH_TRY(ph_rve_cracks(&k->coarse, &k->plan, err));
     k->coarse_problem.micro = k->micro;

@@ -10,6 +10,7 @@ typedef struct ph_i_companion {
     const ph_case *c;
     const ph_problem *problem; /* of the case, on its grid */
     const ph_ctx *ctx;
+    double horizon; /* of the result, length */
     ph_case coarse; /* borrows the arrays of the case */
     ph_microstructure *micro;
     ph_packing *packing;
@@ -28,9 +29,13 @@ void ph_i_companion_clear(ph_i_companion *k);
  *  not a failure, and *out NULL; an interruption and a lack of memory are failures. */
 ph_status ph_i_companion_solve(ph_i_companion *k, const ph_problem *problem,
                                ph_result **out, char why[200], ph_error *err);
-/** Voxels by twos (an even number along each axis): the most frequent phase of the 2^d, cut by
- *  the others with their shares, normals from centroid to centroid. */
-ph_status ph_i_coarsen(const ph_microstructure *fine, ph_microstructure **out,
-                       ph_error *err);
+/** Voxels on a coarser grid, half of their number to all of it along each axis: the most
+ *  frequent phase of a cell, cut by the others with their shares, normals from centroid to
+ *  centroid. @return PH_OK; PH_EINVAL; PH_ENOMEM. Tested: tests/unit/test_coarsen.c */
+ph_status ph_i_coarsen(const ph_microstructure *fine, const ptrdiff_t nodes[3],
+                       ph_microstructure **out, ph_error *err);
+/** Every voxel of a microstructure without cuts by twos, its owner too. */
+ph_status ph_i_refine(const ph_microstructure *coarse, ph_microstructure **out,
+                      ph_error *err);
 
 #endif

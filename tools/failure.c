@@ -192,6 +192,28 @@ static bool still_rises(const ph_failure_path *p)
            fabs(last->work) > fabs(last[-1].work);
 }
 
+/* Another path, on half the nodes. */
+static void print_error(FILE *to, const ph_failure_error *e)
+{
+    const char *before = "  on half the nodes off by: ";
+    const struct {
+        const char *name;
+        double value;
+    } list[] = {{"first break", e->first_load},  {"peak load", e->peak_load},
+                {"peak stress", e->peak_stress}, {"toughness", e->toughness},
+                {"first time", e->first_time},   {"end time", e->end_time}};
+    if (e->why[0]) {
+        fprintf(to, "  no second path: %s\n", e->why);
+        return;
+    }
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        if (!isfinite(list[i].value)) continue;
+        fprintf(to, "%s%s %.2g %%", before, list[i].name, 100 * list[i].value);
+        before = ", ";
+    }
+    if (strcmp(before, ", ") == 0) fputc('\n', to);
+}
+
 void failure_print(FILE *to, const ph_case *c, const ph_failure_path *p)
 {
     const char *stress = c->unit_stress;
@@ -204,6 +226,7 @@ void failure_print(FILE *to, const ph_case *c, const ph_failure_path *p)
                 p->severed ? "; severed: no stress is left" : "");
     if (p->in_time) {
         print_times(to, p, stress);
+        if (p->error) print_error(to, p->error);
         return;
     }
     if (still_rises(p))
@@ -215,6 +238,7 @@ void failure_print(FILE *to, const ph_case *c, const ph_failure_path *p)
         fprintf(to, "  peak stress %.6g %s at load %.6g", p->peak_stress, stress,
                 p->peak_load);
     fprintf(to, "; toughness %.6g %s\n", p->toughness, stress);
+    if (p->error) print_error(to, p->error);
     if (p->nevents == 0) return;
     const ph_failure_energy *e = &p->event[p->nevents - 1].energy;
     fprintf(to,

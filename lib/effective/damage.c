@@ -17,6 +17,7 @@ void ph_damage_free(ph_damage **damage)
     free((*damage)->step);
     free((*damage)->field);
     free((*damage)->error_bars);
+    free((*damage)->pristine_error_bar);
     free(*damage);
     *damage = NULL;
 }

@@ -11,9 +11,18 @@
 
 /* Share of the scatter of the whole tensor that one constant gets beside its own difference:
  * differences of one constant cross zero by chance, all at once do not. */
-static const double share_of_tensor = 0.65;
+static const double share_of_tensor = 0.25;
 /* Where cells have the phase of their centre, the two grids also place the interfaces anew. */
-static const double share_by_centres = 1.0;
+static const double share_by_centres = 0.5;
+/* At times all do: shares of what grids are off on the mean of many cells, in the plane and in
+ * space. It is not believed where the two grids agree to a thirtieth of it: layers are exact. */
+static const double expected_plane = 0.7, expected_space = 0.35, most_expected = 30.0;
+/* A crack is as long as its nodes, give or take this share of the spacing. */
+static const double tip_off = 0.4;
+/* Of the difference to voxels that were mixed, what is not the mixing. */
+static const double not_mixing = 0.5;
+/* Shear moduli are off more than others. */
+static const double shears = 1.25;
 
 /* Root mean square of the eigenvalues of A^-1/2 (A - B) A^-1/2: relative differences of the
  * energies of all strains. NaN where A is no stiffness. */
@@ -30,22 +39,28 @@ static double spread(const ph_sym4 *a, const ph_sym4 *b)
     return sqrt(fmax(sum, 0.0) / a->n);
 }
 
+/* Couplings with shears cross zero: nearer to the worst that they could do. */
+static const double power = 0.5, power_of_couplings = 0.75, power_of_ratios = 0.4;
+
 /* What a relative change of the tensor by one changes a constant by. Couplings move with the
  * entries beside them and Poisson ratios with the square root of a ratio of moduli, which is
- * the worst; their own size is the best. Between: the geometric mean. */
+ * the worst; their own size is the best. Between: a geometric mean. */
 static double scale(const ph_error_evidence *e, const ph_quantity *q, double value)
 {
     const ph_sym4 *c = ph_i_error_tensor(e);
     ph_sym4 s;
-    double worst = fabs(value);
+    double worst = fabs(value), p = power;
     int a = ph_i_error_component(e, q->row), b = ph_i_error_component(e, q->column);
-    if (q->name[0] == 'C')
+    if (q->name[0] == 'C') {
         worst = ph_i_error_beside(e, q);
-    else if (strncmp(q->name, "nu", 2) == 0 && ph_sym4_inverse(c, &s, NULL) == PH_OK)
+        if (a != b && (q->row > 2 || q->column > 2)) p = power_of_couplings;
+    } else if (strncmp(q->name, "nu", 2) == 0 && ph_sym4_inverse(c, &s, NULL) == PH_OK) {
         worst = sqrt(fabs(s.m[b][b] / s.m[a][a]));
-    else if (q->stress == 0)
+        p = power_of_ratios;
+    } else if (q->stress == 0) {
         worst = 1.0;
-    return sqrt(fabs(value) * worst);
+    }
+    return pow(fabs(value), 1.0 - p) * pow(worst, p);
 }
 
 /* How far apart two tensors put a constant. */
@@ -63,10 +78,37 @@ static const char *no_coarse(const ph_error_evidence *e)
     return e->no_coarse ? e->no_coarse : "nothing was solved on a coarser grid";
 }
 
+/* What grids of so many nodes are off on the mean of many cells. */
+static double of_law(const ph_error_evidence *e, const ph_quantity *q, double value)
+{
+    bool space = e->result->grid.kinematics == PH_SPACE;
+    double seen = spread(ph_i_error_tensor(e), e->coarse);
+    return (space ? expected_space : expected_plane) *
+           fmin(e->expected, most_expected * seen) * scale(e, q, value);
+}
+
+/* Dilute cracks take a^d from a constant, d axes: d/a of it for every length that a is off. */
+static double of_tips(const ph_error_evidence *e, const ph_quantity *q, double value)
+{
+    if (!e->uncracked || !(e->tips > 0.0)) return 0.0;
+    double plain = ph_i_error_value(e, q, e->uncracked);
+    double axes = e->result->grid.kinematics == PH_SPACE ? 3.0 : 2.0;
+    return isnan(plain) ? 0.0 : axes * tip_off * e->tips * fabs(plain - value);
+}
+
+static bool is_shear(const ph_quantity *q)
+{
+    return q->name[0] == 'G' || (q->name[0] == 'C' && q->row == q->column && q->row > 2);
+}
+
 static double discretisation(const ph_error_evidence *e, const ph_quantity *q,
                              double value)
 {
-    return apart(e, q, ph_i_error_tensor(e), e->coarse, value) / fabs(e->ratio - 1.0);
+    double seen =
+        apart(e, q, ph_i_error_tensor(e), e->coarse, value) / fabs(e->ratio - 1.0);
+    if (e->mixed) seen *= not_mixing;
+    seen = hypot(seen, hypot(of_law(e, q, value), of_tips(e, q, value)));
+    return is_shear(q) ? shears * seen : seen;
 }
 
 /* ---- stabilisation: what of it is in the energy ---- */
@@ -235,7 +277,8 @@ static double basis(const ph_error_evidence *e, const ph_quantity *q, double val
 const ph_error_part ph_error_parts[] = {
     {.info = {"discretisation", "grid, and a horizon of as many spacings",
               "Richardson1911",
-              "first order in the spacing: difference to a grid with half the nodes"},
+              "first order in the spacing: difference to a grid with half the nodes, and "
+              "what grids are off on the mean"},
      .automatic = true,
      .needed = true,
      .refuses = no_coarse,

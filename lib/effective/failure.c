@@ -80,6 +80,7 @@ void ph_failure_path_free(ph_failure_path **path)
     free((*path)->bond);
     free((*path)->share);
     free((*path)->initial);
+    free((*path)->error);
     free(*path);
     *path = NULL;
 }

@@ -99,6 +99,10 @@ ph_status ph_i_json_damage(const ph_result *result, json_t *effective, json_t *r
     json_t *damage = json_object(), *steps = json_array();
     PH_CHECK(damage && steps, PH_ENOMEM, "no memory for the damage");
     PH_TRY(put_voigt(damage, "pristine", &d->pristine, err));
+    if (d->pristine_error_bar)
+        PH_TRY(ph_i_json_error_list(d->pristine_error_bar,
+                                    "effective.damage.pristine_error_bar", false, damage,
+                                    "pristine_error_bar", reasons, err));
     for (int i = 0; i < d->nsteps; i++)
         PH_TRY(put_step(d, i, steps, reasons, err));
     PH_TRY(ph_i_json_put(damage, "steps", json_incref(steps), err));

@@ -78,6 +78,30 @@ out:
     return st;
 }
 
+/* Differences to the companion; {} where nobody solved one. */
+static ph_status put_error(const ph_failure_path *p, json_t *failure, json_t *reasons,
+                           ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_failure_error *e = p->error;
+    static const char *const name[] = {"first_load", "peak_load",  "peak_stress",
+                                       "toughness",  "first_time", "end_time"};
+    json_t *obj = json_object();
+    PH_CHECK(obj, PH_ENOMEM, "no memory for the failure");
+    if (e) {
+        const double value[] = {e->first_load, e->peak_load,  e->peak_stress,
+                                e->toughness,  e->first_time, e->end_time};
+        for (int i = 0; i < (p->in_time ? 6 : 4); i++)
+            PH_TRY(ph_i_json_put_number(
+                obj, "effective.failure.difference", name[i], value[i], reasons,
+                e->why[0] ? e->why : "one of the two paths has none", err));
+    }
+    PH_TRY(ph_i_json_put(failure, "difference", json_incref(obj), err));
+out:
+    json_decref(obj);
+    return st;
+}
+
 ph_status ph_i_json_failure(const ph_failure_path *p, json_t *effective, json_t *reasons,
                             ph_error *err)
 {
@@ -99,6 +123,7 @@ ph_status ph_i_json_failure(const ph_failure_path *p, json_t *effective, json_t 
     PH_TRY(ph_i_json_put(failure, "toughness", ph_i_json_number(p->toughness), err));
     PH_TRY(ph_i_json_put(failure, "severed", json_boolean(p->severed), err));
     PH_TRY(ph_i_json_put(failure, "came_apart", json_boolean(p->apart), err));
+    PH_TRY(put_error(p, failure, reasons, err));
     PH_TRY(put_events(p, failure, reasons, err));
     for (int i = 0; i < p->nsteps; i++)
         PH_TRY(put_step(p, i, steps, reasons, err));

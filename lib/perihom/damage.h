@@ -66,6 +66,7 @@ typedef struct ph_damage {
     ph_damage_step *step;
     double *field; /* [cells of the RVE] damage of every node in the last step, 0 .. 1 */
     struct ph_error_bar *error_bars; /* [nsteps] as in ph_result, or NULL */
+    struct ph_error_bar *pristine_error_bar;
 } ph_damage;
 
 PH_API void ph_damage_free(ph_damage **damage);

@@ -22,6 +22,12 @@ typedef struct ph_error_evidence {
     double ratio;
     const char *no_coarse; /* why there is none */
     bool by_centres;       /* both grids take the phase at the centre of a cell */
+    bool mixed;            /* the coarser grid mixes what are voxels on this one */
+    /* relative error of moduli that such grids have on the mean of many cells; 0: no law */
+    double expected;
+    /* with cracks: the same cell without them, and the spacing over their half length */
+    const ph_sym4 *uncracked;
+    double tips;
     /* two tensors of the coarse grid: of this horizon, and of half of it */
     const ph_sym4 *horizon, *half_horizon;
     const char *no_horizon;

@@ -134,6 +134,16 @@ typedef struct ph_broken_bond {
     int32_t event;
 } ph_broken_bond;
 
+/** How far the numbers of a path may be off: differences to the same loading on a coarser grid,
+ *  over ratio - 1 and relative. Another grid is another path of breaks, and a horizon of so many
+ *  spacings another length: the size of the error as two paths see it, no 95 %. NaN: one of the
+ *  two paths has no such number. */
+typedef struct ph_failure_error {
+    double first_load, peak_load, peak_stress, toughness;
+    double first_time, end_time;
+    char why[200]; /* why there is none; "": there is one */
+} ph_failure_error;
+
 /** What came out. Owns its arrays. */
 typedef struct ph_failure_path {
     int n; /* strain components */
@@ -161,6 +171,7 @@ typedef struct ph_failure_path {
     /* worst |external - stored - dissipated - viscous| of an event over the largest external
      * work; in time, of a step */
     double imbalance;
+    ph_failure_error *error; /* where somebody who solved a companion put it, or NULL */
 } ph_failure_path;
 PH_API void ph_failure_path_free(ph_failure_path **path);
 

@@ -393,6 +393,8 @@ static ph_status put_bars(search *s, ph_error *err)
     ph_error_evidence e = grids;
     e.stiffness = NULL;
     e.coarse = &companion;
+    e.expected =
+        fmin(s->left, 1) * ph_i_fidelity_expected(&s->f->plan, (double)s->fine.n);
     e.parts = s->c->error_parts;
     PH_ALLOC(bar, 1, "error bars");
     PH_ALLOC(plain, 1, "extrapolated values");

@@ -31,7 +31,9 @@ static bool untouched(const void *user)
     const world *w = user;
     if (w->relaxation)
         return !w->relaxation->error_bars && !w->relaxation->elastic->error_bar;
-    return !w->result->error_bar && !(w->result->damage && w->result->damage->error_bars);
+    const ph_damage *d = w->result->damage;
+    return !w->result->error_bar && !(d && (d->error_bars || d->pristine_error_bar)) &&
+           !(w->result->failure && w->result->failure->error);
 }
 
 /* What the call made was made while it was watched. */
@@ -44,7 +46,13 @@ static void done(void *user)
     r->error_bar = NULL;
     if (r->damage) {
         free(r->damage->error_bars);
-        r->damage->error_bars = NULL;
+        free(r->damage->pristine_error_bar);
+        r->damage->error_bars = r->damage->pristine_error_bar = NULL;
+    }
+    if (r->failure) {
+        CHECK(r->failure->error);
+        free(r->failure->error);
+        r->failure->error = NULL;
     }
     if (w->relaxation) {
         free(w->relaxation->error_bars);
@@ -89,6 +97,12 @@ static const way ways[] = {
      "cracks: [{from: [0.3, 0.5], to: [0.7, 0.5]}]\n"
      "sequence: {crack_growth: {lengths: {list: [0.2, 0.5]}}}\n",
      false},
+    {"bonds that break", "1",
+     "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [8, 8], "
+     "matrix: m}\nmodel: {points: nodes, horizon: 3}\n"
+     "failure: {m: {fracture_energy: 1e-4}}\n"
+     "loading: {strain: [0, 1, 0], to: 0.05, steps: 1, window: 1, break: together}\n",
+     false},
     {"relaxation", "{infinity: 1, terms: [{modulus: 3, time: 1}]}",
      "microstructure: {dimension: 2, plane: strain, size: [1, 1], nodes: [8, 8], matrix: "
      "m, "
@@ -108,11 +122,7 @@ static void make(world *w, const way *x)
     CHECK_OK(ph_rve_cracks(w->c, &w->plan, &err));
     if (!w->micro || !w->plan) return;
     if (x->voxels) snprintf(w->c->voxels.file, sizeof w->c->voxels.file, "some.npy");
-    w->problem = (ph_problem){.micro = w->micro,
-                              .interface = w->c->interface,
-                              .model = w->c->model,
-                              .cracks = &w->plan->cracks,
-                              .sequence = &w->plan->sequence};
+    w->problem = ph_rve_problem(w->c, w->micro, w->plan);
     if (ph_case_relaxes(w->c))
         CHECK_OK(ph_viscoelastic_solve(&w->problem, &w->params, &one_thread,
                                        &w->relaxation, &err));

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Error bars hold the truth: random cases against the same on much finer grids, and cases
  * that are exact. The whole study: docs/validation/error-bars.md. */
-#include "check.h"
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "folder.h"
 
 #include <perihom_error_bar.h>
 #include <stdarg.h>
@@ -21,13 +22,7 @@ static ph_result *solve(const char *text, ptrdiff_t nodes)
     CHECK_OK(ph_rve_build(c, &micro, &err));
     CHECK_OK(ph_rve_cracks(c, &plan, &err));
     if (micro && plan) {
-        const ph_problem p = {.micro = micro,
-                              .interface = c->interface,
-                              .model = c->model,
-                              .constraint = c->constraint,
-                              .solver = c->solver,
-                              .cracks = &plan->cracks,
-                              .sequence = &plan->sequence};
+        const ph_problem p = ph_rve_problem(c, micro, plan);
         const ph_ctx ctx = {.threads = 1};
         CHECK_OK(ph_homogenise(&p, &ctx, &r, &err));
         if (r && nodes == 0) CHECK_OK(ph_rve_error_bar(c, &p, &ctx, r, &err));
@@ -119,10 +114,10 @@ static void count(const char *text, ptrdiff_t n, tally *t)
     ph_result_free(&finer);
 }
 
-/* 30 cases, some 300 constants. Constants of one case miss together, so that the counts are
- * those of fewer trials, some three a case: of 90 trials of 95 % at least 79 hold in 99.9 %
- * of all samples (binomial), 88 %. The median width is less than 5 errors in the study and
- * 5.2 to 5.7 of these shapes alone: 7. */
+/* 30 cases, some 550 constants. Constants of one case miss together, so that the counts are
+ * those of fewer trials, some three a case: of 90 trials of 97 %, which disks, ellipses and
+ * boxes hold in the study, at least 81 hold in 99.9 % of all samples (binomial), 90 %. The
+ * median width is less than 5 errors in the study and 5.3 to 5.9 of these shapes alone: 7. */
 static void test_holds_the_truth(void **state)
 {
     (void)state;
@@ -140,7 +135,7 @@ static void test_holds_the_truth(void **state)
     print_message("%d of %d bars hold the truth, median width %.2f errors\n", t.held, t.n,
                   t.ratio[t.n / 2]);
     CHECK(t.n > 200);
-    CHECK(t.held >= 0.88 * t.n);
+    CHECK(t.held >= 0.9 * t.n);
     CHECK(t.ratio[t.n / 2] <= 7);
     CHECK_END();
 }
@@ -256,6 +251,138 @@ static void test_fillers_by_nodes(void **state)
     CHECK_END();
 }
 
+/* A picture of n x n voxels, a disk and a corner of a second phase, each `times` by `times`. */
+static void write_picture(const char *path, ptrdiff_t n, ptrdiff_t times)
+{
+    FILE *f = fopen(path, "wb");
+    CHECK(f);
+    for (ptrdiff_t x = 0; f && x < n * times; x++)
+        for (ptrdiff_t y = 0; y < n * times; y++) {
+            double a = (double)(x / times) / (double)n - 0.4,
+                   b = (double)(y / times) / (double)n - 0.55;
+            fputc(a * a + b * b < 0.07 || (a > 0.4 && b > 0.2), f);
+        }
+    if (f) fclose(f);
+}
+
+/* An odd number of voxels: the companion has 8 of 15 an axis, their shares by overlap. The bars
+ * hold what the same picture gives with every voxel by 6 x 6, which is off by a sixth of it. */
+static void test_odd_voxels(void **state)
+{
+    (void)state;
+    char path[96] = "", text[600] = "", fine[600] = "";
+    static const char head[] =
+        "perihom: 1\nmaterials: {m: {E: 1, nu: 0.3}, i: {E: 30, nu: 0.2}}\n"
+        "microstructure: {dimension: 2, plane: strain, size: [1, 1], ";
+    put(path, sizeof path, "%s/odd.raw", folder);
+    put(text, sizeof text,
+        "%snodes: [15, 15], voxels: {file: %s, type: uint8, materials: [m, i]}}\n", head,
+        path);
+    put(fine, sizeof fine,
+        "%snodes: [90, 90], voxels: {file: %s, type: uint8, materials: [m, i]}}\n", head,
+        path);
+    write_picture(path, 15, 1);
+    ph_result *r = solve(text, 0);
+    write_picture(path, 15, 6);
+    ph_result *truth = solve(fine, 90);
+    CHECK(r && truth && r->error_bar && r->error_bar->nodes[0] == 8);
+    if (r && truth && r->error_bar) {
+        static ph_error_bar exact;
+        ph_error err = PH_ERROR_INIT;
+        const ph_error_evidence e = {.result = truth, .parts = 1u << 3};
+        CHECK_REL(r->error_bar->ratio, 15.0 / 8, 1e-14);
+        CHECK_OK(ph_error_bar_estimate(&e, &exact, &err));
+        static const char *const name[] = {"E1", "E2", "nu12", "G12"};
+        for (int i = 0; i < 4; i++) {
+            const ph_error_constant *a = ph_error_bar_find(r->error_bar, name[i]);
+            double off = fabs(a->value - ph_error_bar_find(&exact, name[i])->value);
+            CHECK(off < a->bar * a->value && a->bar < 0.3);
+        }
+    }
+    ph_result_free(&r);
+    ph_result_free(&truth);
+    CHECK_END();
+}
+
+/* Voxels whose fillers bonds tell apart: the companion has the same squares by twos. */
+static void test_voxels_with_owners(void **state)
+{
+    (void)state;
+    char path[96] = "", text[800] = "";
+    ph_error err = PH_ERROR_INIT;
+    ph_material m[2];
+    ph_microstructure *micro = NULL;
+    ph_grid grid;
+    const ptrdiff_t n[3] = {12, 12, 1};
+    const double size[3] = {12, 12, 1};
+    CHECK_OK(ph_material_isotropic("m", 1, 1.0 / 3, &m[0], &err));
+    CHECK_OK(ph_material_isotropic("i", 20, 1.0 / 3, &m[1], &err));
+    CHECK_OK(ph_grid_init(&grid, PH_PLANE_STRESS, n, size, &err));
+    CHECK_OK(ph_microstructure_new(&grid, 2, m, &micro, &err));
+    micro->owner = calloc(144, sizeof *micro->owner);
+    for (int x = 2; x < 8 && micro->owner; x++)
+        for (int y = 5; y < 7; y++) { /* two that touch */
+            micro->phase[x * 12 + y] = 1;
+            micro->owner[x * 12 + y] = y - 4;
+        }
+    put(path, sizeof path, "%s/owners.h5", folder);
+    CHECK_OK(ph_rve_write_owners(path, micro, &err));
+    put(text, sizeof text,
+        "perihom: 1\nmaterials: {m: {E: 1, nu: 0.3333333333333333}, "
+        "i: {E: 20, nu: 0.3333333333333333}}\n"
+        "microstructure: {dimension: 2, plane: stress, size: [12, 12], voxels: "
+        "{file: %s, dataset: /phase, owners: /owner, materials: [m, i]}}\n"
+        "model: {kind: bond, horizon: 2}\n",
+        path);
+    ph_result *r = solve(text, 0);
+    CHECK(r && r->error_bar && r->error_bar->nodes[0] == 24);
+    if (r && r->error_bar) {
+        const ph_error_constant *a = ph_error_bar_find(r->error_bar, "E1");
+        CHECK(r->error_bar->ratio == 0.5 && a->bar > 0 && a->bar < 0.5);
+    }
+    ph_result_free(&r);
+    ph_microstructure_free(&micro);
+    CHECK_END();
+}
+
+/* Bonds that break: the cell before has bars (one material is exact), the path its difference to
+ * that on half the nodes, whose horizon is as long, and the stiffness that is left has none. */
+static void test_bonds_that_break(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "perihom: 1\nmaterials: {m: {E: 1, nu: 0.3333333333333333}%s}\n"
+        "microstructure: {dimension: 2, plane: stress, size: [1, 1], nodes: [16, 16], "
+        "matrix: m%s}\nmodel: {kind: bond, horizon: 3}\n"
+        "failure: {m: {fracture_energy: 1e-4}%s}\n"
+        "loading: {strain: [0, 1, 0], to: 0.05, steps: 4, window: 0.1}\n%s";
+    char whole[900] = "", hole[900] = "", none[900] = "";
+    const char *disk = ", inclusions: [{shape: disk, material: v, centre: [0.5, 0.5], "
+                       "radius: 0.2}]";
+    put(whole, sizeof whole, text, "", "", "", "");
+    put(hole, sizeof hole, text, ", v: {void: true}", disk, "", "");
+    put(none, sizeof none, text, "", "", "", "error_bar: none\n");
+    ph_result *r[3] = {solve(whole, 0), solve(hole, 0), solve(none, 0)};
+    for (int i = 0; i < 2; i++) {
+        CHECK(r[i] && r[i]->failure && r[i]->failure->error && r[i]->error_bar);
+        if (!r[i] || !r[i]->failure || !r[i]->failure->error) continue;
+        const ph_failure_error *e = r[i]->failure->error;
+        CHECK(!e->why[0] && r[i]->error_bar->nodes[0] == 8);
+        CHECK(e->first_load >= 0 && e->first_load < 0.5 && e->peak_stress < 0.5);
+        CHECK(isnan(e->first_time));
+        CHECK(isnan(ph_error_bar_find(r[i]->error_bar, "C11")->bar));
+        CHECK(strstr(r[i]->error_bar->why[0], "another path"));
+        CHECK(r[i]->damage && r[i]->damage->pristine_error_bar);
+        const ph_error_constant *k =
+            ph_error_bar_find(r[i]->damage->pristine_error_bar, "C11");
+        CHECK(i == 0 ? k->part[0] < 1e-9 : k->bar > 1e-3 && k->bar < 0.5);
+    }
+    CHECK(r[2] && r[2]->failure && !r[2]->failure->error);
+    for (int i = 0; i < 3; i++)
+        ph_result_free(&r[i]);
+    CHECK_END();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -263,6 +390,9 @@ int main(void)
         cmocka_unit_test(test_exact_cases),
         cmocka_unit_test(test_loose_tolerances),
         cmocka_unit_test(test_fillers_by_nodes),
+        cmocka_unit_test_setup_teardown(test_odd_voxels, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_voxels_with_owners, set_up, tear_down),
+        cmocka_unit_test(test_bonds_that_break),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
