@@ -132,7 +132,7 @@ static void put_stiffness(FILE *to, const char *stress, const ph_result *r)
         for (int j = 0; j < n; j++) {
             bool solved = r->loads >> j & 1u; /* else the other index may be, */
             double x = solved ? voigt[i * n + j] : voigt[j * n + i]; /* by symmetry */
-            if (!solved && !(r->loads >> i & 1u))
+            if ((!solved && !(r->loads >> i & 1u)) || isnan(x))
                 fprintf(to, " %10s", "-"); /* neither load was asked for */
             else /* round-off beside the large entries is noise */
                 fprintf(to, " %10.5g", fabs(x) < 1e-9 * largest ? 0.0 : x);
@@ -199,9 +199,10 @@ void report_result(FILE *to, const ph_case *c, const ph_result *result)
 {
     unsigned all = (1u << result->stiffness.n) - 1;
     put_head(to, c, result);
-    if ((result->loads & all) == all) put_engineering(to, c->unit_stress, result);
+    if ((result->loads & all) == all && isfinite(ph_sym4_norm(&result->stiffness)))
+        put_engineering(to, c->unit_stress, result);
     put_constants(to, c, result);
-    put_stiffness(to, c->unit_stress, result);
+    if (result->loads) put_stiffness(to, c->unit_stress, result);
     if (result->damage) damage_print(to, c->unit_length, result->damage);
     if (result->failure) failure_print(to, c, result->failure);
     put_solver(to, result);

@@ -37,14 +37,6 @@ static void unit_cost(const ph_run *r, bool single, double *doubles, double *ns)
     if (r->setting.fixed) *ns *= cells ? 1.3 : 2.5;
 }
 
-static int count_bits(unsigned x)
-{
-    int n = 0;
-    for (; x; x &= x - 1)
-        n++;
-    return n;
-}
-
 static bool is_sequence(const ph_problem *p)
 {
     return p->sequence && p->sequence->kind != PH_SEQUENCE_NONE;
@@ -155,10 +147,11 @@ static ph_status count(ph_run *r, ph_estimate *out, ph_error *err)
               .iterations = expected_iterations(r->map)};
     if (r->broken) PH_TRY(ph_i_run_cut_last(r, &density, &cracks, err));
     PH_TRY(ph_i_run_find_symmetry(r, err));
-    int loads = count_bits(ph_i_run_solved_loads(r));
     bool closed = ph_i_run_closed_form(r, &exact, why);
     ph_solver_choice choice = {.precision = "double"};
     if (!closed) PH_TRY(ph_i_run_choose_solver(r, &choice, err));
+    r->solver = choice.method;
+    int loads = ph_i_run_load_count(r);
     if (choice.why[1][0]) ph_i_note(r->result, "%s", choice.why[1]);
     unit_cost(r, strcmp(choice.precision, "single") == 0, &doubles, &w.ns);
     w.solved = w.least = loads;

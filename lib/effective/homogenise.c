@@ -24,6 +24,7 @@ void ph_i_run_clear(ph_run *r)
     size_t n = r->op ? (size_t)(r->op->layout.nd * r->op->layout.cells) : 0;
     for (int a = 0; a < 6; a++) {
         ph_i_doubles_free(&r->meter, &r->kept[a], n);
+        ph_i_doubles_free(&r->meter, &r->pulled[a], n);
         ph_i_doubles_free(&r->meter, &r->first[a], n);
     }
     ph_i_doubles_free(&r->meter, &r->residual, n);
@@ -306,7 +307,8 @@ ph_status ph_i_run_choose_solver(ph_run *r, ph_solver_choice *out, ph_error *err
                             .map = r->map,
                             .meter = &r->meter,
                             .one_sided = r->params.one_sided,
-                            .relaxes = r->contrast > 0.0};
+                            .relaxes = r->contrast > 0.0,
+                            .few = ph_i_run_stress_is_less(r)};
     return ph_i_solver_choose(&wanted, &r->system, out, err);
 }
 

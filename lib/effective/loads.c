@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The loads of a run, their columns, and the stiffness that the columns make. */
-#include <perihom/quantity.h>
-
+/* The loads of a run and their columns. */
 #include "effective/run.h"
 #include "effective/visco.h"
 
@@ -50,28 +48,77 @@ static void take_reactions(ph_run *r, int load, const double *macro)
         r->result->bond.reactions.m[i][load] = stress[i];
 }
 
-/* Averages of a solved load: its column, and what the energies say. */
-static ph_status take_column(ph_run *r, int load, const double *macro, const double *unit,
-                             ph_error *err)
+/* One load of a run. */
+typedef struct one_load {
+    int component;
+    bool by_stress;   /* a mean stress of a periodic cell, whose mean strain is found */
+    double unit[6];   /* what is prescribed, Mandel */
+    double strain[6]; /* the mean strain */
+    bool traction;    /* on a body: there is none */
+    double **kept;    /* [6] displacements of the loads of this kind */
+    ph_sym4 *columns, *second;
+} one_load;
+
+static one_load new_load(ph_run *r, int component, bool by_stress)
+{
+    one_load l = {.component = component, .by_stress = by_stress};
+    l.unit[component] = 1.0;
+    l.kept = by_stress ? r->pulled : r->kept;
+    l.columns = by_stress ? &r->compliance : &r->columns;
+    l.second = by_stress ? &r->second_compliance : &r->second;
+    l.traction = !by_stress && ph_i_run_by_stress(r, component);
+    if (!by_stress) memcpy(l.strain, l.unit, sizeof l.strain);
+    return l;
+}
+
+static const double *macro_of(const one_load *l)
+{
+    return l->traction ? NULL : l->strain;
+}
+
+/* A mean stress is met to the tolerance of the solver: what is left of it strains the cell as
+ * the mean stiffness would have it, which is what makes entries off by products of errors only.
+ * Second-order columns come as they are. */
+static ph_status correct_column(ph_run *r, const one_load *l, const double *stress,
+                                ph_error *err)
 {
     ph_status st = PH_OK;
-    int ns = r->map->ns;
+    ph_sym4 mean = ph_i_stiffness_map_mean(r->map), inverse;
+    if (!l->by_stress || ph_i_run_second_order(r)) return PH_OK;
+    PH_TRY(ph_sym4_inverse(&mean, &inverse, err));
+    for (int i = 0; i < mean.n; i++)
+        for (int j = 0; j < mean.n; j++)
+            l->columns->m[i][l->component] += inverse.m[i][j] * (l->unit[j] - stress[j]);
+out:
+    return st;
+}
+
+/* Averages of a solved load: its column, and what the energies say. */
+static ph_status take_column(ph_run *r, const one_load *l, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const int ns = r->map->ns;
     double stress[6], strain[6], work = 0.0, off = 0.0, size = 0.0;
     ph_cell_energy e;
-    PH_TRY(ph_i_operator_sums(r->op, r->u, macro, r->setting.region, stress, strain, &e,
-                              err));
+    PH_TRY(ph_i_operator_sums(r->op, r->u, macro_of(l), r->setting.region, stress, strain,
+                              &e, err));
     double n = (double)r->setting.averaged;
     for (int i = 0; i < ns; i++) {
         stress[i] /= n;
         strain[i] /= n;
-        if (r->broken && macro) strain[i] = macro[i]; /* the rest is in the gaps */
+        if (r->broken && !l->traction)
+            strain[i] = l->strain[i]; /* the rest is in the gaps */
         work += stress[i] * strain[i];
-        bool by_stress = ph_i_run_by_stress(r, i);
-        double wrong = (by_stress ? stress[i] : strain[i]) - unit[i];
+        bool pulled = ph_i_run_by_stress(r, i);
+        double meant = l->by_stress ? l->strain[i] : l->unit[i];
+        double wrong = (pulled ? stress[i] : strain[i]) - meant;
         off += wrong * wrong;
-        size += unit[i] * unit[i];
-        r->columns.m[i][load] = by_stress ? strain[i] : stress[i];
+        size += meant * meant;
+        l->columns->m[i][l->component] = l->by_stress ? l->strain[i]
+                                         : pulled     ? strain[i]
+                                                      : stress[i];
     }
+    PH_TRY(correct_column(r, l, stress, err));
     double total = (e.mean + e.modes + e.stabilisation) / n;
     double theta =
         r->params.stabilisation == PH_STABILISE_SUBPOINT ? r->params.value : 0.0;
@@ -80,21 +127,25 @@ static ph_status take_column(ph_run *r, int load, const double *macro, const dou
         extra += r->op->has_cells ? e.modes
                                   : e.modes - theta / (1.0 - theta + 1e-300) * e.mean;
     ph_result *res = r->result;
-    double solid = res->voigt.m[load][load], size_of_energy = fabs(total);
+    double solid = res->voigt.m[l->component][l->component];
+    double size_of_energy = fabs(total);
     /* A cell that cracks cut through has no energy but the solver's tolerance. */
-    if (r->broken && macro)
+    if (r->broken && !l->traction)
         size_of_energy = fmax(size_of_energy, ph_i_run_tolerance(r) * solid);
     res->strain_average = fmax(res->strain_average, sqrt(off / size));
     /* Layers with nothing between them: a load without energy has no share of it. */
-    if (size_of_energy > no_load * (ph_i_run_by_stress(r, load) ? 1.0 / solid : solid)) {
+    bool pulled = l->by_stress || ph_i_run_by_stress(r, l->component);
+    if (size_of_energy > no_load * (pulled ? 1.0 / solid : solid)) {
         res->hill_mandel = fmax(res->hill_mandel, fabs(total - work) / size_of_energy);
         res->stabilisation_energy =
             fmax(res->stabilisation_energy, fabs(extra) / n / size_of_energy);
     }
     for (int i = 0; r->op->springs && i < ns; i++)
-        res->bond.virial.m[i][load] = stress[i];
+        res->bond.virial.m[i][l->component] = stress[i];
     res->bond.virial.n = ns;
-    if (r->op->springs && r->setting.source) take_reactions(r, load, macro);
+    if (r->op->springs && r->setting.source) take_reactions(r, l->component, macro_of(l));
+    for (int i = 0; l->by_stress && i < ns; i++)
+        r->stress_left[i] = l->unit[i] - stress[i];
 out:
     return st;
 }
@@ -112,22 +163,25 @@ bool ph_i_run_second_order(const ph_run *r)
               r->problem->solver.energy > 0.0) &&
              !r->problem->nconstants)) &&
            !r->constraint->by_stress && !(r->op && r->op->bonds) &&
-           (!r->problem->loads || r->problem->loads == ph_i_run_all_loads(r->result));
+           (r->problem->nconstants || !r->problem->loads ||
+            r->problem->loads == ph_i_run_all_loads(r->result));
 }
 
-static ph_status keep_displacement(ph_run *r, int load, ph_error *err)
+static ph_status keep_displacement(ph_run *r, const one_load *l, ph_error *err)
 {
     ph_status st = PH_OK;
     size_t n = (size_t)(r->op->layout.nd * r->op->layout.cells);
-    if (!r->kept[load])
-        PH_DOUBLES(r->kept[load], &r->meter, n, "the displacement of a load");
-    memcpy(r->kept[load], r->u, n * sizeof(double));
+    double **kept = &l->kept[l->component];
+    if (!*kept) PH_DOUBLES(*kept, &r->meter, n, "the displacement of a load");
+    memcpy(*kept, r->u, n * sizeof(double));
+    if (l->by_stress) memcpy(r->strain[l->component], l->strain, sizeof l->strain);
 out:
     return st;
 }
 
-/* Products of the residual of a load that is kept with the displacements kept so far. */
-static ph_status keep_residual(ph_run *r, int load, const double *macro, ph_error *err)
+/* Products of the residual of a load that is kept with the displacements kept so far; r->u is
+ * lost. */
+static ph_status keep_residual(ph_run *r, const one_load *l, ph_error *err)
 {
     ph_status st = PH_OK;
     ptrdiff_t cells = r->op->layout.cells, n = r->op->layout.nd * cells;
@@ -136,16 +190,17 @@ static ph_status keep_residual(ph_run *r, int load, const double *macro, ph_erro
         PH_DOUBLES(r->product, &r->meter, (size_t)n, "a product");
         PH_TRY(ph_i_operator_in_space(r->op, err));
     }
-    ph_i_operator_load(r->op, macro, r->residual);
-    ph_i_operator_apply(r->op, r->kept[load], r->product);
-    for (int a = 0; a <= load; a++) {
+    ph_i_operator_load(r->op, macro_of(l), r->residual);
+    ph_i_operator_apply(r->op, l->kept[l->component], r->product);
+    for (int a = 0; a <= l->component; a++) {
         double sum = 0.0;
-        for (ptrdiff_t x = 0; r->kept[a] && x < n; x++)
+        const double *u = l->kept[a];
+        for (ptrdiff_t x = 0; u && x < n; x++)
             if (!r->setting.fixed || !r->setting.fixed[x % cells])
-                sum += r->kept[a][x] * (r->residual[x] - r->product[x]);
-        r->second.m[a][load] = sum / (double)r->setting.averaged;
+                sum += u[x] * (r->residual[x] - r->product[x]);
+        l->second->m[a][l->component] = sum / (double)r->setting.averaged;
     }
-    memcpy(r->u, r->kept[load], (size_t)n * sizeof(double));
+    memcpy(r->u, l->kept[l->component], (size_t)n * sizeof(double));
 out:
     return st;
 }
@@ -198,17 +253,42 @@ ph_status ph_i_run_solve(ph_run *r, const double *macro, bool by_stress,
 }
 
 /* What is wanted of the load whose displacement is in r->u. */
-static ph_status take_load(ph_run *r, int load, const double *macro, const double *unit,
-                           bool converged, ph_error *err)
+static ph_status take_load(ph_run *r, const one_load *l, bool converged, ph_error *err)
 {
     ph_status st = PH_OK;
-    if (converged && macro && ph_i_run_second_order(r))
-        PH_TRY(keep_residual(r, load, macro, err));
-    if (r->first[load])
-        memcpy(r->first[load], r->u,
+    bool second = converged && !l->traction && ph_i_run_second_order(r);
+    if (second) PH_TRY(keep_residual(r, l, err));
+    if (!l->by_stress && r->first[l->component])
+        memcpy(r->first[l->component], r->u,
                sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
-    PH_TRY(take_column(r, load, macro, unit, err));
-    if (r->keep_fields && converged) st = ph_i_run_keep_fields(r, load, macro, err);
+    PH_TRY(take_column(r, l, err));
+    for (int a = 0; second && l->by_stress && a <= l->component; a++)
+        for (int i = 0; l->kept[a] && i < r->map->ns; i++)
+            l->second->m[a][l->component] += r->strain[a][i] * r->stress_left[i];
+    if (r->keep_fields && converged)
+        st = ph_i_run_keep_fields(r, l->component, macro_of(l), err);
+out:
+    return st;
+}
+
+/* From the strain that the mean stiffness has under the stress: its load, and what the cell
+ * strains beside. */
+static ph_status solve_stress(ph_run *r, one_load *l, ph_cg_report *report, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_sym4 mean = ph_i_stiffness_map_mean(r->map), inverse;
+    PH_TRY(ph_sym4_inverse(&mean, &inverse, err));
+    for (int i = 0; i < mean.n; i++)
+        l->strain[i] = inverse.m[i][l->component];
+    ph_i_operator_load(r->op, l->strain, r->load);
+    if (load_is_nothing(r, true)) {
+        memset(r->u, 0,
+               sizeof(double) * (size_t)(r->op->layout.nd * r->op->layout.cells));
+        return PH_OK;
+    }
+    st = r->solver->solve_free(r->state, r->load, r->u, l->strain, report, err);
+    r->work.loads++;
+    r->work.iterations += report->iterations;
 out:
     return st;
 }
@@ -252,234 +332,131 @@ static void stop_by_energy(const ph_run *r, int load, ph_cg_report *report)
     report->energy_start = uniform_energy(r->map, load);
 }
 
-static ph_status solve_load(ph_run *r, int load, int number, int loads, ph_error *err)
+static ph_status solve_load(ph_run *r, one_load *l, int number, int loads, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
-    double unit[6] = {0};
-    unit[load] = 1.0;
-    const double *macro = ph_i_run_by_stress(r, load) ? NULL : unit;
-    ph_cg_report report = new_report(r, number, loads, r->first[load] != NULL);
-    if (macro)
-        ph_i_operator_load(r->op, macro, r->load);
-    else
-        ph_i_operator_pull(r->op, unit, r->setting.region, r->load);
-    stop_by_energy(r, load, &report);
-    st = solve_for(r, !macro, r->first[load], &report, err);
+    const double *guess = l->by_stress ? NULL : r->first[l->component];
+    ph_cg_report report = new_report(r, number, loads, guess != NULL);
+    if (l->by_stress) {
+        st = solve_stress(r, l, &report, err);
+    } else {
+        if (!l->traction)
+            ph_i_operator_load(r->op, macro_of(l), r->load);
+        else
+            ph_i_operator_pull(r->op, l->unit, r->setting.region, r->load);
+        stop_by_energy(r, l->component, &report);
+        st = solve_for(r, l->traction, guess, &report, err);
+    }
     res->iterations[res->nloads] = report.iterations;
     res->residual[res->nloads++] = report.residual;
     if (st != PH_OK && st != PH_ENOCONV) return st;
     bool follow = r->symmetry.count > 1 && r->keep_fields;
     if (st == PH_OK && (follow || ph_i_run_second_order(r)))
-        PH_TRY(keep_displacement(r, load, err));
-    ph_status taken = take_load(r, load, macro, unit, st == PH_OK, err);
+        PH_TRY(keep_displacement(r, l, err));
+    ph_status taken = take_load(r, l, st == PH_OK, err);
     if (taken != PH_OK) st = taken;
 out:
     return st;
 }
 
 /* A load that a symmetry makes of one that is solved and kept: its field is that one turned. */
-static ph_status turn_load(ph_run *r, int load, ph_error *err)
+static ph_status turn_load(ph_run *r, one_load *l, unsigned solved, ph_error *err)
 {
     ph_status st = PH_OK;
-    int from = load;
-    double unit[6] = {0};
-    unit[load] = 1.0;
-    const ph_turn *t = ph_i_symmetry_source(&r->symmetry, r->result->solved, load, &from);
+    int from = l->component;
+    const ph_turn *t = ph_i_symmetry_source(&r->symmetry, solved, l->component, &from);
     const ptrdiff_t n = r->op->layout.nd * r->op->layout.cells;
     bool corners = r->result->points != PH_POINTS_NODES;
-    ph_i_symmetry_turn_field(t, &r->setting.box, r->op->layout.nd, corners, r->kept[from],
+    ph_i_symmetry_turn_field(t, &r->setting.box, r->op->layout.nd, corners, l->kept[from],
                              r->u);
     for (ptrdiff_t x = 0; t->flip[from] < 0 && x < n; x++)
         r->u[x] = -r->u[x];
-    if (ph_i_run_second_order(r)) PH_TRY(keep_displacement(r, load, err));
-    st = take_load(r, load, unit, unit, true, err);
+    for (int i = 0; l->by_stress && i < r->map->ns; i++)
+        l->strain[t->place[i]] = t->flip[from] * t->flip[i] * r->strain[from][i];
+    if (ph_i_run_second_order(r)) PH_TRY(keep_displacement(r, l, err));
+    st = take_load(r, l, true, err);
 out:
     return st;
 }
 
-/* Loads that the constants which are asked for need, in this cell. */
-static unsigned loads_of_constants(const ph_run *r)
-{
-    const ph_problem *p = r->problem;
-    ph_kinematics kin = r->result->grid.kinematics;
-    ph_cell_symmetry none = ph_i_symmetry_none(r->map->ns);
-    const ph_cell_symmetry *s = r->symmetry.count ? &r->symmetry : &none;
-    unsigned loads = 0;
-    for (int i = 0; i < p->nconstants; i++) {
-        const ph_quantity *q = &p->constants[i];
-        bool by_row = q->kind && q->kind->row && !ph_quantity_refuses(q, kin);
-        loads |= by_row ? ph_i_symmetry_block(s, q->kind->row(q, kin))
-                        : ph_quantity_loads(q, kin);
-    }
-    return loads;
-}
-
-/* Refined entries take the fields of all loads, and so does a compliance as a whole. */
-static unsigned wanted_loads(const ph_run *r)
-{
-    const ph_problem *p = r->problem;
-    unsigned all = ph_i_run_all_loads(r->result);
-    if (r->constraint->by_stress || ph_i_run_second_order(r)) return all;
-    if (p->nconstants) return loads_of_constants(r) & all;
-    return p->loads ? p->loads & all : all;
-}
-
-static int count_of(unsigned loads)
-{
-    int count = 0;
-    for (; loads; loads >>= 1)
-        count += (int)(loads & 1u);
-    return count;
-}
-
-unsigned ph_i_run_solved_loads(const ph_run *r)
-{
-    unsigned loads = wanted_loads(r);
-    return r->symmetry.count ? ph_i_symmetry_loads(&r->symmetry, loads) : loads;
-}
-
 static void say_symmetry(const ph_run *r)
 {
-    int follow = count_of(r->result->loads & ~r->result->solved);
+    const ph_result *res = r->result;
+    int follow = ph_i_run_count(res->loads & ~res->solved) +
+                 ph_i_run_count(res->stresses & ~res->solved_stresses);
     if (follow)
         ph_i_note(r->result,
                   "loads: %d of the columns follow from the %d symmetries of the cell",
                   follow, r->symmetry.count);
 }
 
+static unsigned solved_of(const ph_run *r, unsigned wanted)
+{
+    return r->symmetry.count ? ph_i_symmetry_loads(&r->symmetry, wanted) : wanted;
+}
+
+/* Solve or turn the loads of one kind. */
+static ph_status take_loads(ph_run *r, bool by_stress, unsigned wanted, int *number,
+                            int count, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_result *res = r->result;
+    unsigned *there = by_stress ? &res->stresses : &res->loads;
+    unsigned *solved = by_stress ? &res->solved_stresses : &res->solved;
+    unsigned loads =
+        r->symmetry.count ? ph_i_symmetry_loads(&r->symmetry, wanted) : wanted;
+    bool all_fields = r->keep_fields || ph_i_run_second_order(r);
+    for (int a = 0; a < r->map->ns; a++) {
+        one_load l = new_load(r, a, by_stress);
+        if (loads >> a & 1)
+            PH_TRY(solve_load(r, &l, ++*number, count, err));
+        else if (all_fields && wanted >> a & 1)
+            PH_TRY(turn_load(r, &l, *solved, err));
+        else
+            continue;
+        *solved |= loads & 1u << a;
+        *there |= 1u << a;
+    }
+    if (!r->symmetry.count) return PH_OK;
+    ph_sym4 unused = r->columns, *columns = by_stress ? &r->compliance : &r->columns;
+    if (ph_i_run_second_order(r)) columns = &unused; /* made of pairs, later */
+    if (*solved) *there = ph_i_symmetry_complete(&r->symmetry, *solved, columns);
+out:
+    return st;
+}
+
+/* A cell that falls to pieces has no strain under a stress, but a stiffness. */
+static ph_status without_stresses(ph_run *r, ph_error *err)
+{
+    ph_result *res = r->result;
+    ph_i_note(res, "loads: strains, because a mean stress found no strain");
+    r->no_stress = true;
+    res->nloads = 0;
+    res->loads = res->solved = res->stresses = res->solved_stresses = 0;
+    res->hill_mandel = res->strain_average = res->stabilisation_energy = 0.0;
+    if (err) *err = (ph_error)PH_ERROR_INIT;
+    return ph_i_run_loads(r, err);
+}
+
 ph_status ph_i_run_loads(ph_run *r, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *res = r->result;
-    unsigned wanted = wanted_loads(r), loads = ph_i_run_solved_loads(r);
-    int number = 0;
-    bool all_fields = r->keep_fields || ph_i_run_second_order(r);
-    if (!res->fields) PH_ALLOC(res->fields, count_of(wanted), "fields");
-    r->columns.n = r->map->ns;
-    for (int a = 0; a < r->map->ns; a++) {
-        if (loads >> a & 1)
-            PH_TRY(solve_load(r, a, ++number, count_of(loads), err));
-        else if (all_fields && wanted >> a & 1)
-            PH_TRY(turn_load(r, a, err));
-        else
-            continue;
-        res->solved |= loads & 1u << a;
-        res->loads |= 1u << a;
-    }
-    if (r->symmetry.count && !ph_i_run_second_order(r))
-        res->loads = ph_i_symmetry_complete(&r->symmetry, res->solved, &r->columns);
+    const ph_load_plan plan = ph_i_run_plan(r);
+    int number = 0, count = 0;
+    if (!res->fields)
+        PH_ALLOC(res->fields, ph_i_run_count(plan.strain | plan.stress), "fields");
+    count = ph_i_run_count(solved_of(r, plan.strain)) +
+            ph_i_run_count(solved_of(r, plan.stress));
+    r->columns.n = r->compliance.n = r->map->ns;
+    st = take_loads(r, true, plan.stress, &number, count, err);
+    if (st == PH_ESINGULAR || (st == PH_ENOCONV && plan.stress))
+        return without_stresses(r, err);
+    if (st != PH_OK) goto out;
+    PH_TRY(take_loads(r, false, plan.strain, &number, count, err));
     say_symmetry(r);
     res->converged = true;
-out:
-    return st;
-}
-
-/* Columns of mixed loads -> stiffness. With X the components loaded by stress and M the
- * others, e_X = A s_X + B e_M and s_M = D s_X + F e_M. */
-static ph_status from_mixed(const ph_run *r, ph_sym4 *c, ph_error *err)
-{
-    ph_status st = PH_OK;
-    int ns = r->map->ns, x[6], nx = 0;
-    ph_sym4 A = {.n = ns}, mixed = *c;
-    for (int i = 0; i < ns; i++)
-        if (ph_i_run_by_stress(r, i)) x[nx++] = i;
-    for (int i = 0; i < ns; i++)
-        A.m[i][i] = 1.0;
-    for (int p = 0; p < nx; p++)
-        for (int q = 0; q < nx; q++)
-            A.m[x[p]][x[q]] = mixed.m[x[p]][x[q]];
-    PH_TRY(ph_sym4_inverse(&A, &A, err));
-    for (int i = 0; i < ns; i++)
-        for (int j = 0; j < ns; j++) {
-            bool xi = ph_i_run_by_stress(r, i), xj = ph_i_run_by_stress(r, j);
-            double v = !xi && !xj ? mixed.m[i][j] : 0.0;
-            for (int p = 0; p < nx; p++)
-                for (int q = 0; q < nx; q++) {
-                    double left = xi ? (double)(x[p] == i) : mixed.m[i][x[p]];
-                    double right = xj ? (double)(x[q] == j) : -mixed.m[x[q]][j];
-                    v += left * A.m[x[p]][x[q]] * right;
-                }
-            c->m[i][j] = v;
-        }
-out:
-    return st;
-}
-
-/* The largest correction m_ab over sqrt(c_aa c_bb): a direction in which the composite is as
- * stiff as its fibres must not hide the others.
- * An isolated body in a void has c = 0: `least` is what counts as nothing. */
-static double worst_correction(const ph_sym4 *m, const ph_sym4 *c, double least)
-{
-    double worst = 0.0;
-    for (int a = 0; a < c->n; a++)
-        for (int b = 0; b < c->n; b++)
-            worst = fmax(worst, fabs(m->m[a][b]) / sqrt(fmax(c->m[a][a], least)) /
-                                    sqrt(fmax(c->m[b][b], least)));
-    return worst;
-}
-
-/* Cracks may leave nothing at all: what matters is small beside the whole cell. */
-static double least_stiffness(const ph_run *r)
-{
-    return (r->broken ? 1e-3 : 1e-6) * r->map->softest;
-}
-
-/* Second-order entries. Where the correction is as large as the answer, its square is not
- * small either (measured: a tenth of the answer goes with an error of a percent). */
-static ph_status refine(ph_run *r, ph_sym4 *c, ph_error *err)
-{
-    ph_status st = PH_OK;
-    int ns = r->map->ns;
-    if (!ph_i_run_second_order(r)) return PH_OK;
-    for (int b = 0; b < ns; b++)
-        for (int a = 0; a <= b; a++) {
-            r->second.m[b][a] = r->second.m[a][b];
-            c->m[a][b] = c->m[b][a] = r->columns.m[a][b] - r->second.m[a][b];
-        }
-    if (r->symmetry.count) ph_i_symmetry_average(&r->symmetry, c);
-    double off = worst_correction(&r->second, c, least_stiffness(r));
-    r->result->converged = off <= 0.1;
-    r->result->second_order = true;
-    r->result->stiffness = *c;
-    PH_CHECK(r->result->converged, PH_ENOCONV,
-             "the error of the stress averages is %.2g of the effective tensor: contrast "
-             "%.2g asks for a lower solver.tolerance",
-             off, r->map->contrast);
-out:
-    return st;
-}
-
-void ph_i_run_solved_columns(ph_run *r)
-{
-    ph_result *res = r->result;
-    int ns = r->map->ns;
-    if (r->constraint->by_stress) res->loads = 0; /* the inverse needs them all */
-    for (int a = 0; a < ns; a++)
-        for (int b = 0; b < ns; b++)
-            res->stiffness.m[b][a] = (res->loads >> a) & 1 ? r->columns.m[b][a] : 0.0;
-}
-
-ph_status ph_i_run_stiffness(ph_run *r, ph_error *err)
-{
-    ph_status st = PH_OK;
-    ph_result *res = r->result;
-    int ns = r->map->ns;
-    ph_sym4 c = r->columns;
-    if (r->constraint->by_stress) PH_TRY(from_mixed(r, &c, err));
-    if (res->loads == ph_i_run_all_loads(res)) {
-        double off = 0.0;
-        for (int i = 0; i < ns; i++)
-            for (int j = 0; j < i; j++) {
-                double d = c.m[i][j] - c.m[j][i];
-                off += 2.0 * d * d;
-                c.m[i][j] = c.m[j][i] = 0.5 * (c.m[i][j] + c.m[j][i]);
-            }
-        double size = fmax(ph_sym4_norm(&c), least_stiffness(r));
-        res->asymmetry = size > 0.0 ? sqrt(off) / size : 0.0;
-        st = refine(r, &c, err);
-    }
-    res->stiffness = c;
 out:
     return st;
 }

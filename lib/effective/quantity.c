@@ -73,11 +73,12 @@ static bool stands_alone(const ph_result *r, int row)
 static ph_sym4 completed(const ph_result *r)
 {
     ph_sym4 c = r->stiffness;
+    for (int k = 0; k < c.n * c.n; k++)
+        if (!(r->loads >> (k / c.n) & 1) || !(r->loads >> (k % c.n) & 1))
+            c.m[k / c.n][k % c.n] = 0.0;
     double size = ph_sym4_norm(&c);
     for (int a = 0; a < c.n; a++)
-        for (int b = 0; b < c.n; b++)
-            if (!(r->loads >> a & 1) || !(r->loads >> b & 1))
-                c.m[a][b] = a == b ? size : 0.0;
+        if (!(r->loads >> a & 1)) c.m[a][a] = size;
     return c;
 }
 
@@ -104,6 +105,34 @@ static int shear_row(const ph_quantity *q, ph_kinematics kin)
     return component(6 - q->row - q->column, kin);
 }
 
+/* Column `row` of the compliance from a load that was that mean stress. */
+static bool from_stress(const ph_quantity *q, const ph_result *r)
+{
+    return q->kind->row && r->stresses >> q->kind->row(q, r->grid.kinematics) & 1u;
+}
+
+static unsigned bit(int component)
+{
+    return component < 0 ? 0 : 1u << component;
+}
+
+/* Entries ij and jj of the compliance, i and j being axes or components. */
+static unsigned axis_fields(const ph_quantity *q, ph_kinematics kin)
+{
+    (void)kin;
+    return bit(q->row) | bit(q->column);
+}
+
+static unsigned entry_fields(const ph_quantity *q, ph_kinematics kin)
+{
+    return bit(component(q->row, kin)) | bit(component(q->column, kin));
+}
+
+static unsigned shear_fields(const ph_quantity *q, ph_kinematics kin)
+{
+    return bit(shear_row(q, kin));
+}
+
 static bool parse_young(ph_quantity *q)
 {
     q->row = q->column = find_word(young_words, q->name);
@@ -120,6 +149,10 @@ static ph_status young_value(const ph_quantity *q, const ph_result *r, double *o
                              ph_error *err)
 {
     ph_engineering e;
+    if (from_stress(q, r)) {
+        *out = 1.0 / r->compliance.m[q->row][q->row];
+        return PH_OK;
+    }
     ph_status st = inverse(r, &e, err);
     if (st == PH_OK) *out = e.E[q->row];
     return st;
@@ -142,6 +175,11 @@ static ph_status poisson_value(const ph_quantity *q, const ph_result *r, double 
                                ph_error *err)
 {
     ph_engineering e;
+    if (from_stress(q, r)) {
+        const ph_sym4 *c = &r->compliance;
+        *out = -c->m[q->column][q->row] / c->m[q->row][q->row];
+        return PH_OK;
+    }
     ph_status st = inverse(r, &e, err);
     if (st == PH_OK) *out = e.nu[q->row][q->column];
     return st;
@@ -165,6 +203,11 @@ static ph_status shear_value(const ph_quantity *q, const ph_result *r, double *o
                              ph_error *err)
 {
     ph_engineering e;
+    if (from_stress(q, r)) {
+        int i = shear_row(q, r->grid.kinematics);
+        *out = 0.5 / r->compliance.m[i][i]; /* Mandel */
+        return PH_OK;
+    }
     ph_status st = inverse(r, &e, err);
     if (st == PH_OK) *out = q->row == 1 ? e.G23 : q->column == 2 ? e.G13 : e.G12;
     return st;
@@ -247,11 +290,12 @@ static ph_status compliance_value(const ph_quantity *q, const ph_result *r, doub
 {
     ph_status st = PH_OK;
     ph_kinematics kin = r->grid.kinematics;
-    ph_sym4 c = completed(r), s;
+    ph_sym4 c = completed(r), s = r->compliance;
     double voigt[36];
-    PH_TRY(ph_sym4_inverse(&c, &s, err));
+    int row = component(q->row, kin), column = component(q->column, kin);
+    if (!from_stress(q, r)) PH_TRY(ph_sym4_inverse(&c, &s, err));
     ph_sym4_to_voigt(&s, false, voigt);
-    *out = voigt[component(q->row, kin) * s.n + component(q->column, kin)];
+    *out = from_stress(q, r) ? voigt[column * s.n + row] : voigt[row * s.n + column];
 out:
     return st;
 }
@@ -308,6 +352,12 @@ static const char *refuses_space(const ph_quantity *q, ph_kinematics kin)
     return kin == PH_PLANE_STRESS ? NULL : "it is defined for plane stress only";
 }
 
+static unsigned stretch_fields(const ph_quantity *q, ph_kinematics kin)
+{
+    (void)q, (void)kin;
+    return 3u;
+}
+
 static ph_status stretch_value(const ph_quantity *q, const ph_result *r, double *out,
                                ph_error *err)
 {
@@ -361,28 +411,32 @@ out:
 }
 
 const ph_quantity_kind ph_quantity_kinds[] = {
-    {{"E1 E2 E3", "Young's moduli: 1 / S_ii", "", "needs all loads"},
+    {{"E1 E2 E3", "Young's moduli: 1 / S_ii", "",
+      "needs one mean stress, or all strains"},
      parse_young,
      young_word,
      refuses_axes,
      all_loads,
      young_value,
-     axis_row},
+     axis_row,
+     axis_fields},
     {{"nu12 ... nu32", "nuij: minus strain j over strain i under stress i", "",
-      "needs all loads"},
+      "needs one mean stress, or all strains"},
      parse_poisson,
      poisson_word,
      refuses_axes,
      all_loads,
      poisson_value,
-     axis_row},
-    {{"G23 G13 G12", "shear moduli", "", "needs all loads"},
+     axis_row,
+     axis_fields},
+    {{"G23 G13 G12", "shear moduli", "", "needs one mean stress, or all strains"},
      parse_shear,
      shear_word,
      refuses_axes,
      all_loads,
      shear_value,
-     shear_row},
+     shear_row,
+     shear_fields},
     {{"C11 ... C66", "stiffness, Voigt, engineering shear", "",
       "needs one load; plane stress and strain: components 1, 2, 6"},
      parse_stiffness,
@@ -390,14 +444,17 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      refuses_plane,
      one_load,
      stiffness_value,
-     NULL},
-    {{"S11 ... S66", "compliance, Voigt, engineering shear", "", "needs all loads"},
+     NULL,
+     entry_fields},
+    {{"S11 ... S66", "compliance, Voigt, engineering shear", "",
+      "needs one mean stress, or all strains"},
      parse_compliance,
      compliance_word,
      refuses_plane,
      all_loads,
      compliance_value,
-     component_row},
+     component_row,
+     entry_fields},
     {{"isotropic.E .nu .K .G .distance", "nearest isotropic tensor and distance to it",
       "", "K needs the normal loads, the others all"},
      parse_isotropic,
@@ -405,7 +462,8 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      never_refuses,
      isotropic_loads,
      isotropic_value,
-     NULL},
+     NULL,
+     isotropic_loads},
     {{"stretch.E1 stretch.E2", "Young's modulus from one stretch: C11 (1 - (C21/C11)^2)",
       "Ongaro2022", "plane stress, nearly isotropic; needs one load"},
      parse_stretch,
@@ -413,7 +471,8 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      refuses_space,
      one_load,
      stretch_value,
-     NULL},
+     NULL,
+     stretch_fields},
     {{"fraction.MATERIAL", "volume fraction of a material in the realisation", "",
       "needs no load"},
      parse_fraction,
@@ -421,7 +480,8 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      never_refuses,
      no_load,
      fraction_value,
-     NULL},
+     NULL,
+     no_load},
     {{"NAME(t=1) NAME_storage(omega=1) ...",
       "a constant that relaxes at a time; its storage, loss, tan delta at a frequency",
       "", "a material must relax; C, E, nu, G, isotropic.*"},
@@ -430,7 +490,8 @@ const ph_quantity_kind ph_quantity_kinds[] = {
      ph_i_relaxing_refuses,
      ph_i_relaxing_loads,
      ph_i_relaxing_value,
-     NULL},
+     NULL,
+     ph_i_relaxing_loads},
 };
 const size_t ph_nquantity_kinds = sizeof ph_quantity_kinds / sizeof *ph_quantity_kinds;
 
@@ -490,8 +551,8 @@ ph_status ph_quantity_value(const ph_quantity *q, const ph_result *result, doubl
     unsigned need = q->kind->loads(q, kin);
     bool one = (need & (need - 1u)) == 0;
     bool alone = q->kind->row && stands_alone(result, q->kind->row(q, kin));
-    PH_CHECK(one || alone || (result->loads & need) == need, PH_EINVAL,
-             "%s: a load that it needs was not solved", q->name);
+    PH_CHECK(one || alone || from_stress(q, result) || (result->loads & need) == need,
+             PH_EINVAL, "%s: a load that it needs was not solved", q->name);
     PH_TRY(q->kind->value(q, result, &value, err));
     PH_CHECK(isfinite(value), PH_ESINGULAR, "%s is not finite", q->name);
     *out = value;

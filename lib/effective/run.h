@@ -34,9 +34,15 @@ typedef struct ph_run {
     double contrast;  /* `auto` counts on at least this, of phases that
                                            * relax */
     ph_sym4 columns;  /* C or, by_stress, the compliance */
-    double *kept[6], *residual, *product; /* of the second-order columns, or NULL */
-    ph_sym4 second;                       /* u_a . r_b per averaged cell, a <= b */
-    ph_work work;                         /* counted so far, see ph_i_run_account */
+    bool no_stress;   /* mean stresses were tried: strains are to be solved */
+    ph_sym4
+        compliance; /* of loads that are a mean stress of a periodic cell: its columns, */
+    double strain[6][6];         /* and the mean strain of each */
+    double *kept[6], *pulled[6]; /* displacements of both kinds of loads, or NULL, */
+    double *residual, *product;  /* for the second-order columns */
+    ph_sym4 second, second_compliance; /* u_a . r_b per averaged cell, a <= b */
+    double stress_left[6];             /* of a mean stress, what the last load has not */
+    ph_work work;                      /* counted so far, see ph_i_run_account */
     ph_result *result;
 } ph_run;
 
@@ -72,8 +78,8 @@ bool ph_i_run_closed_form(const ph_run *run, ph_sym4 *stiffness, char *why);
 unsigned ph_i_run_all_loads(const ph_result *result);
 /** What run->symmetry can be. Needs ph_i_run_prepare. */
 ph_status ph_i_run_find_symmetry(ph_run *run, ph_error *err);
-/** The loads that equations are solved for: those from which all that is wanted follows. */
-unsigned ph_i_run_solved_loads(const ph_run *run);
+/** How many loads equations are solved for: those from which all that is wanted follows. */
+int ph_i_run_load_count(const ph_run *run);
 
 /** Node of the RVE at a node of the box that is solved, or -1: it is outside. */
 ptrdiff_t ph_i_run_node_of_rve(const ph_run *run, ptrdiff_t node);
@@ -115,6 +121,17 @@ ph_status ph_i_run_solve(ph_run *run, const double *macro, bool by_stress,
                          ph_error *err);
 /** Are the entries of the tensor refined with the fields of all loads? */
 bool ph_i_run_second_order(const ph_run *run);
+/** Loads, bit a: unit macro strain a; unit mean stress a of a periodic cell, whose mean strain
+ *  is found with its displacement. */
+typedef struct ph_load_plan {
+    unsigned strain, stress;
+} ph_load_plan;
+/** The loads whose columns are wanted; ph_i_symmetry_loads of them are to be solved. Constants of the compliance take their row of it, each from one mean stress, where the solver
+ *  can do that and it is fewer loads than the strains of their block. */
+ph_load_plan ph_i_run_plan(const ph_run *run);
+/** Are mean stresses fewer loads, where the solver has them? */
+bool ph_i_run_stress_is_less(const ph_run *run);
+int ph_i_run_count(unsigned loads);
 /** Solve the loads asked for, fill the columns; then the stiffness from the columns. */
 ph_status ph_i_run_loads(ph_run *run, ph_error *err);
 ph_status ph_i_run_stiffness(ph_run *run, ph_error *err);

@@ -285,6 +285,21 @@ out:
     return st;
 }
 
+/* Columns of the compliance from mean stresses. */
+static ph_status put_columns(draft_document *d, json_t *effective, ph_error *err)
+{
+    ph_status st = PH_OK;
+    ph_sym4 c = d->result->compliance;
+    for (int k = 0; k < 36; k++)
+        if (!(d->result->stresses >> (k % 6) & 1u)) c.m[k / 6][k % 6] = NAN;
+    PH_TRY(
+        put_matrix(d, effective, "effective.compliance", "compliance", &c, false, err));
+    PH_TRY(put_reason(d, "effective.compliance",
+                      "no constant that was asked for needs the other columns", err));
+out:
+    return st;
+}
+
 /* Compliance, constants and nearest isotropic tensor need every load case; the first two
  * also a stiffness that has an inverse. */
 static ph_status put_derived(draft_document *d, json_t *effective, const char *missing,
@@ -306,11 +321,13 @@ static ph_status put_derived(draft_document *d, json_t *effective, const char *m
     } else {
         snprintf(why, sizeof why, "load cases %s were not solved", missing);
     }
+    if (!ok) e = no_engineering();
     if (ok) {
         PH_TRY(put_matrix(d, effective, "effective.compliance", "compliance", &inverse,
                           false, err));
+    } else if (d->result->stresses) {
+        PH_TRY(put_columns(d, effective, err));
     } else {
-        e = no_engineering();
         PH_TRY(ph_i_json_put(effective, "compliance", json_null(), err));
         PH_TRY(put_reason(d, "effective.compliance", why, err));
     }
@@ -442,6 +459,12 @@ static ph_status put_solver(draft_document *d, ph_error *err)
         if (r->solved >> a & 1u)
             PH_TRY(
                 ph_i_json_add(loads, ph_i_json_text(load_name(r->stiffness.n, a)), err));
+    for (int a = 0; a < r->compliance.n; a++) {
+        char name[24];
+        snprintf(name, sizeof name, "stress %s", load_name(r->compliance.n, a));
+        if (r->solved_stresses >> a & 1u)
+            PH_TRY(ph_i_json_add(loads, ph_i_json_text(name), err));
+    }
     for (int i = 0; i < r->nloads && i < 6; i++) {
         PH_TRY(ph_i_json_add(iterations, json_integer(r->iterations[i]), err));
         PH_TRY(ph_i_json_add(residual, ph_i_json_number(r->residual[i]), err));

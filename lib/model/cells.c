@@ -29,6 +29,7 @@ ph_status ph_i_cells_init(ph_cells *cells, const ph_layout *layout,
     PH_DOUBLES(cells->high, meter,
                (size_t)(cells->threads * 2 * layout->nd * layout->n[1] * layout->n[2]),
                "work planes");
+    PH_ALLOC(cells->planes, layout->n[0], "sums of planes");
 out:
     if (st != PH_OK) ph_i_cells_clear(cells, meter);
     return st;
@@ -41,6 +42,8 @@ void ph_i_cells_clear(ph_cells *cells, ph_meter *meter)
                       (size_t)(cells->threads * LINES * cells->line));
     ph_i_doubles_free(meter, &cells->high,
                       (size_t)(cells->threads * 2 * l->nd * l->n[1] * l->n[2]));
+    free(cells->planes);
+    cells->planes = NULL;
 }
 
 #endif
@@ -172,27 +175,33 @@ static void gather_nothing(const ph_cells *c, row *r)
     }
 }
 
-#define RUN(nd, kind)                                                                    \
+#define RUN(nd, kind, sum)                                                               \
     for (ptrdiff_t k = from; k < to; k += LANES) {                                       \
         lanes own = first_lanes(to - k);                                                 \
-        mean_mode((nd), (kind), c, w, r, k, own);                                        \
+        mean_mode((nd), (kind), c, w, r, k, own, (sum));                                 \
         if (modes) other_modes((nd), (kind), c, w, r, k, own);                           \
+    }
+#define RUN_EITHER(nd, kind)                                                             \
+    if (sum) {                                                                           \
+        RUN(nd, kind, sum)                                                               \
+    } else {                                                                             \
+        RUN(nd, kind, NULL)                                                              \
     }
 
 /* Tractions of a run of cells of one stiffness. */
 static void stress_run(int nd, ph_hooke kind, const real *c, const weights *w,
-                       const row *r, ptrdiff_t from, ptrdiff_t to, bool modes)
+                       const row *r, ptrdiff_t from, ptrdiff_t to, bool modes, vec *sum)
 {
     static const real nothing[36];
     if (kind == PH_HOOKE_ZERO) kind = PH_HOOKE_ISOTROPIC, c = nothing;
     if (nd == 3 && kind == PH_HOOKE_ISOTROPIC) {
-        RUN(3, PH_HOOKE_ISOTROPIC)
+        RUN_EITHER(3, PH_HOOKE_ISOTROPIC)
     } else if (nd == 3) {
-        RUN(3, PH_HOOKE_GENERAL)
+        RUN_EITHER(3, PH_HOOKE_GENERAL)
     } else if (kind == PH_HOOKE_ISOTROPIC) {
-        RUN(2, PH_HOOKE_ISOTROPIC)
+        RUN_EITHER(2, PH_HOOKE_ISOTROPIC)
     } else {
-        RUN(2, PH_HOOKE_GENERAL)
+        RUN_EITHER(2, PH_HOOKE_GENERAL)
     }
 }
 
@@ -211,7 +220,7 @@ static inline const real *stiffness(const ph_stiffness_map *map, int entry, real
 }
 
 static void stress_line(const ph_cells *c, const int32_t *index, const weights *w,
-                        const row *r, bool modes)
+                        const row *r, bool modes, vec *sum)
 {
     ptrdiff_t n = c->layout.n[2], to;
     real own[36];
@@ -223,7 +232,7 @@ static void stress_line(const ph_cells *c, const int32_t *index, const weights *
         const real *m = stiffness(c->map, index[from], own);
         bool body = index[from] != c->map->materials;
         stress_run(c->layout.nd, c->map->hooke[index[from]], m, body ? w : &outside, r,
-                   from, to, modes);
+                   from, to, modes, sum);
     }
 }
 
@@ -303,11 +312,22 @@ static void add_plane(const ph_layout *l, const real *plane, ptrdiff_t i, real *
     }
 }
 
+static void add_lanes(int ns, const vec *sum, double *out)
+{
+    for (int i = 0; i < ns; i++) {
+        out[i] = 0.0;
+        for (int lane = 0; lane < LANES; lane++)
+            out[i] += (double)sum[i][lane];
+    }
+}
+
 /* Planes [from, to) of cells. The force on a node plane is always (sum of the cells above)
  * + (sum of the cells below), so that the bits do not depend on how planes are shared out.
- * Returns the buffer that holds the forces on node plane `to`. */
+ * Returns the buffer that holds the forces on node plane `to`.
+ * stress: NULL, or sums of each plane */
 static const real *apply_slab(const ph_cells *c, const real *u, const weights *w,
-                              ptrdiff_t from, ptrdiff_t to, int thread, real *f)
+                              ptrdiff_t from, ptrdiff_t to, int thread, real *f,
+                              double (*stress)[6])
 {
     const ph_layout *l = &c->layout;
     ptrdiff_t plane = l->n[1] * l->n[2], buffer = l->nd * plane;
@@ -317,6 +337,7 @@ static const real *apply_slab(const ph_cells *c, const real *u, const weights *w
     row r = PH_REAL(ph_i_cells_lines)(c, thread);
     for (ptrdiff_t i = from; i < to; i++) {
         real *now = high[(i - from) % 2], *before = high[(i - from + 1) % 2];
+        vec sum[6] = {{0}};
         memset(now, 0, sizeof(real) * (size_t)buffer);
         for (int a = 0; a < l->nd; a++)
             memset(f + a * l->cells + i * plane, 0, sizeof(real) * (size_t)plane);
@@ -325,16 +346,19 @@ static const real *apply_slab(const ph_cells *c, const real *u, const weights *w
                 PH_REAL(ph_i_cells_gather)(c, u, i, j, modes, &r);
             else
                 gather_nothing(c, &r);
-            stress_line(c, c->map->index + (i * l->n[1] + j) * l->n[2], w, &r, modes);
+            stress_line(c, c->map->index + (i * l->n[1] + j) * l->n[2], w, &r, modes,
+                        stress ? sum : NULL);
             scatter(c, &r, j, modes, f + i * plane, l->cells, now);
         }
         if (i > from) add_plane(l, before, i, f);
+        if (stress) add_lanes(l->ns, sum, stress[i]);
     }
     return high[(to - from + 1) % 2];
 }
 
-void PH_REAL(ph_i_cells_apply)(const ph_cells *c, const real *u, const double *macro,
-                               double scale, real *f)
+/* stress: NULL, or [n0] sums of each plane */
+static void apply(const ph_cells *c, const real *u, const double *macro, double scale,
+                  real *f, double (*stress)[6])
 {
     const ph_layout *l = &c->layout;
     weights w = ph_i_cells_weights(c, macro, scale);
@@ -347,7 +371,7 @@ void PH_REAL(ph_i_cells_apply)(const ph_cells *c, const real *u, const double *m
 #pragma omp parallel for num_threads(slabs) schedule(static, 1)
     for (int s = 0; s < slabs; s++) {
         ptrdiff_t from = l->n[0] * s / slabs, to = l->n[0] * (s + 1) / slabs;
-        apply_slab(c, u, &w, from, to, s, f);
+        apply_slab(c, u, &w, from, to, s, f, stress);
     }
     if (l->axis[0] < 0) return;
     ptrdiff_t buffer = l->nd * l->n[1] * l->n[2];
@@ -358,7 +382,24 @@ void PH_REAL(ph_i_cells_apply)(const ph_cells *c, const real *u, const double *m
     }
 }
 
+void PH_REAL(ph_i_cells_apply)(const ph_cells *c, const real *u, const double *macro,
+                               double scale, real *f)
+{
+    apply(c, u, macro, scale, f, NULL);
+}
+
 #ifndef PH_SINGLE
+void ph_i_cells_apply_mean(const ph_cells *c, const double *u, const double *macro,
+                           double scale, double *f, double *sum)
+{
+    const ph_layout *l = &c->layout;
+    memset(sum, 0, (size_t)l->ns * sizeof *sum);
+    apply(c, u, macro, scale, f, c->planes);
+    for (ptrdiff_t i = 0; i < l->n[0]; i++)
+        for (int a = 0; a < l->ns; a++)
+            sum[a] += scale * c->planes[i][a];
+}
+
 void ph_i_cells_pull(const ph_cells *c, const double *sigma, const uint8_t *region,
                      double *f)
 {

@@ -25,10 +25,11 @@ typedef struct ph_cells {
     double c1, c2;
     double hourglass; /* per raw (signed corner sum) amplitude squared */
     int threads;
-    double f[3];    /* 2 / (2^active h) by direction, 0 where inactive */
-    ptrdiff_t line; /* doubles per line buffer */
-    double *lines;  /* [threads] work lines */
-    double *high;   /* [threads][2][nd][plane] forces on the upper node plane */
+    double f[3];         /* 2 / (2^active h) by direction, 0 where inactive */
+    ptrdiff_t line;      /* doubles per line buffer */
+    double *lines;       /* [threads] work lines */
+    double *high;        /* [threads][2][nd][plane] forces on the upper node plane */
+    double (*planes)[6]; /* [n0] stresses of a plane of cells together */
 } ph_cells;
 
 ph_status ph_i_cells_init(ph_cells *cells, const ph_layout *layout,
@@ -40,7 +41,11 @@ void ph_i_cells_clear(ph_cells *cells, ph_meter *meter);
  *  `u` NULL: zero. The same bits for any number of threads. */
 void ph_i_cells_apply(const ph_cells *cells, const double *u, const double *macro,
                       double scale, double *f);
-/** The same in single precision, with the same work lines: not at the same time. */
+/** The same, and sum = scale times the stresses C (B u + macro) of all cells together. There
+ *  must be an axis to move along. */
+void ph_i_cells_apply_mean(const ph_cells *cells, const double *u, const double *macro,
+                           double scale, double *f, double *sum);
+/** f in single precision, with the same work lines: not at the same time. */
 void ph_i_cells_apply_single(const ph_cells *cells, const float *u, const double *macro,
                              double scale, float *f);
 

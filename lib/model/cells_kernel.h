@@ -120,9 +120,9 @@ typedef struct weights {
     real macro[6];
 } weights;
 
-/* Average strain -> tractions. */
+/* Average strain -> tractions; the stresses are added to `sum`, if that is not NULL. */
 static inline void mean_mode(int nd, ph_hooke kind, const real *c, const weights *w,
-                             const row *r, ptrdiff_t k, lanes own)
+                             const row *r, ptrdiff_t k, lanes own, vec *sum)
 {
     const int ns = nd == 3 ? 6 : 3;
     vec e[6], s[6], v[3];
@@ -137,6 +137,9 @@ static inline void mean_mode(int nd, ph_hooke kind, const real *c, const weights
         add_column(nd, e, d, v);
     }
     hooke(ns, kind, c, e, s);
+#pragma GCC unroll 6
+    for (int i = 0; sum && i < ns; i++)
+        sum[i] += (vec)((lanes)s[i] & own);
 #pragma GCC unroll 3
     for (int d = 0; d < nd; d++) {
         take_column(nd, s, d, w->scale * w->f[d], v);

@@ -327,15 +327,39 @@ void ph_i_operator_backward(ph_operator *op, const double *uhat, double *work, d
 }
 
 /* f = scale * B^T C (B u + macro) of all parts that live in space; the convolution only if
- * `conv` (then u must be in op->hat as well). Adds nothing spectral. */
-static void add_subpoints(ph_operator *op, const double *u, const double *macro,
-                          double scale, double *f)
+ * `conv` (then u must be in op->hat as well). Adds nothing spectral.
+ * Where `sum` is not NULL the stresses of all points are added to it, times the scale. */
+enum { PARTS = 64 };
+
+/* sum += scale * the stresses in op->e, the same bits for any number of threads. */
+static void add_stresses(const ph_operator *op, double scale, double *sum)
 {
+    const ptrdiff_t cells = op->layout.cells;
+    double part[6][PARTS];
+    const int ns = op->layout.ns;
+#pragma omp parallel for num_threads(op->threads) schedule(static)
+    for (int q = 0; q < ns * PARTS; q++) {
+        ptrdiff_t first = cells * (q % PARTS) / PARTS,
+                  end = cells * (q % PARTS + 1) / PARTS;
+        double s = 0.0;
+        for (ptrdiff_t x = first; x < end; x++)
+            s += op->e[q / PARTS * cells + x];
+        part[q / PARTS][q % PARTS] = s;
+    }
+    for (int i = 0; i < ns; i++)
+        for (int q = 0; q < PARTS; q++)
+            sum[i] += scale * part[i][q];
+}
+
+static void add_subpoints(ph_operator *op, const double *u, const double *macro,
+                          double scale, double *f, double *sum)
+{
+    const double share = scale * (1.0 - op->share) / op->nsub;
     for (int i = 0; i < op->nsub; i++) {
         ph_i_stencil_strain(op->sub[i], u, macro, op->pad, op->e);
         ph_i_hooke_field(op->map, op->threads, op->e, op->e);
-        ph_i_stencil_divergence(op->sub[i], op->e, scale * (1.0 - op->share) / op->nsub,
-                                true, op->pad, f);
+        if (sum) add_stresses(op, share, sum);
+        ph_i_stencil_divergence(op->sub[i], op->e, share, true, op->pad, f);
     }
 }
 
@@ -369,22 +393,38 @@ static void make_stress(ph_operator *op)
     if (op->damaged) ph_i_damaged_take(op->damaged, op->e);
 }
 
-static void apply_convolution_hat(ph_operator *op, const double *uhat, double *fhat)
+static void add_uniform(const ph_operator *op, double scale, const double *macro,
+                        double *e)
 {
-    const double back = 1.0 / (double)op->layout.cells;
+    const ptrdiff_t cells = op->layout.cells;
+    for (int i = 0; i < op->layout.ns; i++)
+#pragma omp parallel for simd num_threads(op->threads) schedule(static, PH_CHUNK)
+        for (ptrdiff_t x = 0; x < cells; x++)
+            e[i * cells + x] += scale * macro[i];
+}
+
+static void apply_convolution_hat(ph_operator *op, const double *uhat,
+                                  const double *macro, double *fhat, double *sum)
+{
+    const double cells = (double)op->layout.cells, back = 1.0 / cells;
     double *work = op->convolution.work;
     bool in_space = op->nsub || op->damaged;
     for (int a = 0; in_space && a < op->layout.nd; a++)
         ph_i_fft_backward(op->fft, uhat + 2 * a * op->modes, work,
                           op->u + a * op->layout.cells);
     ph_i_convolution_strain(&op->convolution, uhat, op->share * back, op->e);
+    if (macro) add_uniform(op, op->share, macro, op->e);
     if (op->damaged) ph_i_damaged_strain(op->damaged, op->u, NULL, back, op->e);
     make_stress(op);
+    if (sum) add_stresses(op, 1.0, sum);
     ph_i_convolution_divergence(&op->convolution, op->e, fhat);
     if (!in_space) return;
     /* fhat += F(forces made in space); those of each component pass through op->f. */
     memset(op->f, 0, sizeof(double) * (size_t)(op->layout.nd * op->layout.cells));
-    if (op->nsub) add_subpoints(op, op->u, NULL, back, op->f);
+    double whole[6]; /* u is so many times what it should be */
+    for (int i = 0; macro && i < op->layout.ns; i++)
+        whole[i] = cells * macro[i];
+    if (op->nsub) add_subpoints(op, op->u, macro ? whole : NULL, back, op->f, sum);
     if (op->damaged) ph_i_damaged_scatter(op->damaged, 1.0, op->u, back, op->f);
     for (int a = 0; a < op->layout.nd; a++) {
         ph_i_fft_forward(op->fft, op->f + a * op->layout.cells, work);
@@ -395,8 +435,12 @@ static void apply_convolution_hat(ph_operator *op, const double *uhat, double *f
 
 /* f = scale * A u without the spectral part, for the routes that live in space. */
 static void apply_in_space(ph_operator *op, const double *u, const double *macro,
-                           double scale, double *f)
+                           double scale, double *f, double *sum)
 {
+    if (op->has_cells && sum) {
+        ph_i_cells_apply_mean(&op->cells, u, macro, scale, f, sum);
+        return;
+    }
     if (op->has_cells) {
         ph_i_cells_apply(&op->cells, u, macro, scale, f);
         return;
@@ -413,25 +457,43 @@ static void apply_in_space(ph_operator *op, const double *u, const double *macro
     ph_i_stencil_strain(op->stencil, u, macro, op->pad, op->e);
     if (op->damaged) ph_i_damaged_strain(op->damaged, u, macro, 1.0, op->e);
     make_stress(op);
+    if (sum) add_stresses(op, scale * op->share, sum);
     ph_i_stencil_divergence(op->stencil, op->e, scale * op->share, false, op->pad, f);
     if (op->damaged) ph_i_damaged_scatter(op->damaged, scale, u, scale, f);
-    add_subpoints(op, u, macro, scale, f);
+    add_subpoints(op, u, macro, scale, f, sum);
 }
 
-void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat)
+static void apply_hat(ph_operator *op, const double *uhat, const double *macro,
+                      double *fhat, double *sum)
 {
+    const double cells = (double)op->layout.cells;
     op->applications++;
     if (op->has_convolution) {
-        apply_convolution_hat(op, uhat, fhat);
+        apply_convolution_hat(op, uhat, macro, fhat, sum);
     } else {
+        double whole[6];
+        for (int i = 0; macro && i < op->layout.ns; i++)
+            whole[i] = cells * macro[i];
         for (int a = 0; a < op->layout.nd;
              a++) /* fhat is the work space until it is set */
             ph_i_fft_backward(op->fft, uhat + 2 * a * op->modes, fhat + 2 * a * op->modes,
                               op->u + a * op->layout.cells);
-        apply_in_space(op, op->u, NULL, 1.0 / (double)op->layout.cells, op->f);
+        apply_in_space(op, op->u, macro ? whole : NULL, 1.0 / cells, op->f, sum);
         ph_i_operator_forward(op, op->f, fhat);
     }
     add_diagonal(op, uhat, fhat);
+}
+
+void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat)
+{
+    apply_hat(op, uhat, NULL, fhat, NULL);
+}
+
+void ph_i_operator_apply_mean(ph_operator *op, const double *uhat, const double *macro,
+                              double *fhat, double *sum)
+{
+    memset(sum, 0, (size_t)op->layout.ns * sizeof *sum);
+    apply_hat(op, uhat, macro, fhat, sum);
 }
 
 ph_status ph_i_operator_update(ph_operator *op, ph_error *err)
@@ -453,7 +515,7 @@ void ph_i_operator_apply(ph_operator *op, const double *u, double *f)
 {
     if (!by_spectrum(op)) {
         op->applications++;
-        apply_in_space(op, u, NULL, 1.0, f);
+        apply_in_space(op, u, NULL, 1.0, f, NULL);
         return;
     }
     ph_i_operator_forward(op, u, op->hat);
@@ -492,7 +554,7 @@ void ph_i_operator_load(ph_operator *op, const double *macro, double *f)
     if (op->damaged) ph_i_damaged_scatter(op->damaged, -1.0, NULL, 0.0, f);
     if (!op->nsub) return;
     memset(op->u, 0, sizeof(double) * (size_t)n);
-    add_subpoints(op, op->u, macro, -1.0, f);
+    add_subpoints(op, op->u, macro, -1.0, f, NULL);
 }
 
 void ph_i_operator_pull(ph_operator *op, const double *sigma, const uint8_t *region,

@@ -73,6 +73,11 @@ ph_status ph_i_operator_update(ph_operator *op, ph_error *err);
 
 /** fhat = A uhat, [nd][modes] complex, hat = unnormalised transform. */
 void ph_i_operator_apply_hat(ph_operator *op, const double *uhat, double *fhat);
+/** fhat = A uhat + F B^T C macro, and sum = C (B u + macro) of all cells together: the gradient
+ *  of the energy in u and in a macro strain [ns] Mandel that is free. Not of springs, bond lists
+ *  and damaged nodes. */
+void ph_i_operator_apply_mean(ph_operator *op, const double *uhat, const double *macro,
+                              double *fhat, double *sum);
 /** Make ready for ph_i_operator_apply: a solver whose vectors are fields calls it once. */
 ph_status ph_i_operator_in_space(ph_operator *op, ph_error *err);
 /** f = A u, [nd][cells]. Only after ph_i_operator_in_space. */

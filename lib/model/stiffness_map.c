@@ -258,3 +258,19 @@ void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map)
     free(m);
     *map = NULL;
 }
+
+ph_sym4 ph_i_stiffness_map_mean(const ph_stiffness_map *map)
+{
+    const int n = map->ns;
+    ph_sym4 mean = {.n = n};
+    ptrdiff_t end;
+    for (ptrdiff_t x = 0; x < map->cells; x = end) {
+        for (end = x + 1; end < map->cells && map->index[end] == map->index[x];)
+            end++;
+        const double *c = map->c + (ptrdiff_t)map->index[x] * n * n;
+        double share = (double)(end - x) / (double)map->cells;
+        for (int i = 0; i < n * n; i++)
+            mean.m[i / n][i % n] += share * c[i];
+    }
+    return mean;
+}

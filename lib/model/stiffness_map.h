@@ -50,6 +50,8 @@ ph_status ph_i_stiffness_map_set(ph_stiffness_map *map, const ph_microstructure 
                                  const ph_sym4 *phase, bool mixed, ph_error *err);
 /** One tensor of the table, with its kind. */
 void ph_i_stiffness_map_store(ph_stiffness_map *map, int entry, const ph_sym4 *c);
+/** Mean over the cells: the stiffness under a uniform strain. */
+ph_sym4 ph_i_stiffness_map_mean(const ph_stiffness_map *map);
 void ph_i_stiffness_map_free(ph_meter *meter, ph_stiffness_map **map);
 
 /** Number of cuts of the cell whose first cut is `i`. Cut cells have the entries after

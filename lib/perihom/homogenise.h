@@ -80,7 +80,8 @@ typedef struct ph_problem {
     ph_solver_params solver;
     unsigned loads; /* bit a: solve macro strain a; 0: all */
     /* [nconstants] only the loads that these quantities of the result need, instead of
-     * `loads`; 0: `loads`. Fewer than ph_quantity_loads in a symmetric cell. */
+     * `loads`; 0: `loads`. Fewer than ph_quantity_loads in a symmetric cell, and where one mean
+     * stress gives a row of the compliance. */
     int nconstants;
     const struct ph_quantity *constants;
     bool keep_fields;        /* keep displacement, strain, stress of each load */
@@ -135,9 +136,16 @@ typedef struct ph_work {
 /** What came out, what it cost and what it is worth. Owns its arrays. */
 typedef struct ph_result {
     ph_grid grid;
-    ph_sym4 stiffness; /* effective, Mandel; column a is load a, zero where not solved */
-    unsigned loads;    /* which columns are there */
-    unsigned solved;   /* of which loads; the other columns follow by symmetry */
+    /* effective, Mandel; column a is load a, zero where not solved; NaN: an entry that takes
+     * the fields of a load that was not solved */
+    ph_sym4 stiffness;
+    unsigned loads;  /* which columns are there */
+    unsigned solved; /* of which loads; the other columns follow by symmetry */
+    /* Columns of the compliance from loads that are a mean stress (periodic; constants that
+     * need no more of the tensor), Mandel; `stresses`: which are there, `solved_stresses`: of
+     * which loads. Entries that were not refined where they should be are NaN. */
+    ph_sym4 compliance;
+    unsigned stresses, solved_stresses;
     ph_sym4 voigt, reuss;
     bool reuss_is_zero; /* a void phase: the lower bound is zero */
     int nmaterials;

@@ -37,6 +37,9 @@ typedef struct ph_quantity_kind {
     /* Component whose row of the compliance it is taken from; NULL: it is not. Then the loads
      * that are coupled to this one are enough. */
     int (*row)(const ph_quantity *q, ph_kinematics kin);
+    /* The loads whose fields its entries take where these are energies of pairs of fields (of
+     * compliances: mean stresses) */
+    unsigned (*fields)(const ph_quantity *q, ph_kinematics kin);
 } ph_quantity_kind;
 PH_API extern const ph_quantity_kind ph_quantity_kinds[];
 PH_API extern const size_t ph_nquantity_kinds;

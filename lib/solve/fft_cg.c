@@ -4,6 +4,7 @@
  * fields, and both the operator and the preconditioner are masked. */
 #include "solve/solver.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct fft_cg {
@@ -13,8 +14,14 @@ typedef struct fft_cg {
     ph_green green;
     ph_space space;
     double *x, *r, *p, *q;
-    bool shares_q; /* q is the operator's */
-    double *hat;   /* held nodes: [nd][modes] complex */
+    bool shares_q;        /* q is the operator's */
+    double *hat;          /* held nodes: [nd][modes] complex */
+    ph_sym4 free;         /* preconditioner of a free mean strain */
+    double size;          /* and what it is multiplied by in a vector; */
+    double before[6];     /* what it was, */
+    ph_sym4 mean;         /* mean stiffness, */
+    double tolerance;     /* at that strain */
+    ph_cg_report *report; /* of the load */
 } fft_cg;
 
 static void apply_hat(void *self, const double *p, double *q)
@@ -187,6 +194,128 @@ ph_status ph_i_fft_cg_solve(void *state, const double *load, double *u,
     report->energy /= scale;
     report->energy_left /= scale;
     ph_i_fft_cg_leave(state, v[0], v[3], u);
+    return st;
+}
+
+/* ---- a mean strain that is free ---------------------------------------------------------- */
+
+/* The energy 1/2 a(strain + grad u) is convex in both, so that conjugate gradients find both
+ * at once. No displacement is there at wave number zero: the 2 nd numbers of that mode hold the
+ * mean strain, ns <= 2 nd of them, times cells x spacing, as an unnormalised transform of a
+ * displacement that grows with it would be. Its residual is the mean stress over the spacing. */
+static double *mean_place(const fft_cg *s, double *hat, int i)
+{
+    return hat + 2 * (i / 2) * s->op->modes + i % 2;
+}
+
+static void take_mean(const fft_cg *s, double *hat, double *mean)
+{
+    for (int i = 0; i < s->op->layout.ns; i++)
+        mean[i] = *mean_place(s, hat, i);
+    for (int a = 0; a < s->op->layout.nd; a++)
+        hat[2 * a * s->op->modes] = hat[2 * a * s->op->modes + 1] = 0.0;
+}
+
+static void put_mean(const fft_cg *s, const double *mean, double *hat)
+{
+    for (int i = 0; i < s->op->layout.ns; i++)
+        *mean_place(s, hat, i) = mean[i];
+}
+
+static void apply_free(void *self, const double *direction, double *q)
+{
+    fft_cg *s = self;
+    const int ns = s->op->layout.ns;
+    double *p =
+        s->p; /* it is `direction`, the only vector that the iteration applies to */
+    double held[6], strain[6], stress[6], waste[6];
+    (void)direction;
+    take_mean(s, p, held);
+    for (int i = 0; i < ns; i++)
+        strain[i] = held[i] / s->size;
+    ph_i_operator_apply_mean(s->op, p, strain, q, stress);
+    put_mean(s, held, p);
+    double scale = (double)s->op->layout.cells / s->size;
+    for (int i = 0; i < ns; i++)
+        stress[i] *= scale;
+    take_mean(s, q, waste);
+    put_mean(s, stress, q);
+}
+
+/* Its square is a stiffness over the mean stiffness: below 1e-12 it is round-off. */
+static const double most_growth = 1e6;
+
+/* So many times the load is that of the strain which is found: a cell with a few stiff cells has
+ * a stiff mean, but strains. */
+static double growth(const fft_cg *s)
+{
+    const int ns = s->op->layout.ns;
+    double now[6], was = 0.0, is = 0.0;
+    for (int i = 0; i < ns; i++)
+        now[i] = s->before[i] + *mean_place(s, s->x, i) / s->size;
+    for (int i = 0; i < ns; i++)
+        for (int j = 0; j < ns; j++) {
+            was += s->before[i] * s->mean.m[i][j] * s->before[j];
+            is += now[i] * s->mean.m[i][j] * now[j];
+        }
+    return sqrt(is / was);
+}
+
+static void precondition_free(void *self, const double *r, double *z)
+{
+    fft_cg *s = self;
+    const int ns = s->op->layout.ns;
+    double mean[6];
+    s->report->tolerance = s->tolerance * growth(s);
+    for (int i = 0; i < ns; i++) {
+        mean[i] = 0.0;
+        for (int j = 0; j < ns; j++)
+            mean[i] += s->free.m[i][j] * r[2 * (j / 2) * s->op->modes + j % 2];
+    }
+    ph_i_green_apply(&s->green, r, z);
+    put_mean(s, mean, z);
+}
+
+/* The mode of wave number zero of a uniform strain: cells x its mean stiffness. */
+static ph_status prepare_free(fft_cg *s, ph_error *err)
+{
+    ph_status st = PH_OK;
+    const ph_layout *l = &s->op->layout;
+    double cells = (double)l->cells, least = INFINITY;
+    ph_sym4 inverse;
+    s->mean = ph_i_stiffness_map_mean(s->op->map);
+    for (int d = 0; d < 3; d++)
+        if (l->axis[d] >= 0) least = fmin(least, l->h[d]);
+    PH_TRY(ph_sym4_inverse(&s->mean, &inverse, err));
+    s->size = cells * least;
+    s->free = ph_sym4_combine(least * least, &inverse, 0.0, &inverse);
+out:
+    return st;
+}
+
+ph_status ph_i_fft_cg_solve_free(void *state, const double *load, double *u,
+                                 double *strain, ph_cg_report *report, ph_error *err)
+{
+    ph_status st = PH_OK;
+    fft_cg *s = state;
+    double found[6];
+    PH_TRY(prepare_free(s, err));
+    memcpy(s->before, strain, sizeof(double) * (size_t)s->op->layout.ns);
+    s->report = report;
+    s->tolerance = report->tolerance;
+    const ph_linear system = {&s->space, s, apply_free, precondition_free};
+    ph_i_fft_cg_enter(s, load, s->r);
+    st = ph_i_cg(&system, s->x, s->r, s->p, s->q, report, err);
+    double grown = growth(s);
+    report->residual /= grown;
+    report->tolerance = s->tolerance;
+    if (st == PH_OK && !(grown < most_growth))
+        st = ph_i_give_up(PH_ESINGULAR, report, "nothing bears this stress", err);
+    take_mean(s, s->x, found);
+    for (int i = 0; i < s->op->layout.ns; i++)
+        strain[i] += found[i] / s->size;
+    ph_i_fft_cg_leave(s, s->x, s->q, u);
+out:
     return st;
 }
 

@@ -16,6 +16,7 @@ typedef struct ph_system {
     ph_meter *meter;
     bool one_sided; /* families end at the faces of the RVE */
     bool relaxes;   /* phases relax: solved many times */
+    bool few;       /* mean stresses, which only double precision has, are fewer loads */
 } ph_system;
 
 typedef struct ph_solver_method {
@@ -34,6 +35,13 @@ typedef struct ph_solver_method {
     /* Take in the bonds of system->params->broken that broke since `init` or the last call;
      * *done: false, init is to be called instead. NULL: always init. */
     ph_status (*broke)(void *state, bool *done, ph_error *err);
+    /* The load is that of a mean strain [ns] Mandel, -B^T C strain, which is free to change:
+     * u and strain with no force on the nodes and the mean stress of the strain it had,
+     *   A u + B^T C strain = 0,  mean of C (B u + strain) = mean of C strain_before.
+     * The residual is relative to the load of the strain that is found. Periodic boxes with
+     * points that have a strain, nothing broken. NULL: no such route. */
+    ph_status (*solve_free)(void *state, const double *load, double *u, double *strain,
+                            ph_cg_report *report, ph_error *err);
     const struct ph_solver_method *single; /* the same in single precision, or NULL */
 } ph_solver_method;
 
@@ -48,6 +56,8 @@ extern const size_t ph_nsolvers;
                                   ph_cg_report *report, ph_error *err);                  \
     void ph_i_##name##_free(void **state)
 PH_SOLVER_FUNCTIONS(fft_cg);
+ph_status ph_i_fft_cg_solve_free(void *state, const double *load, double *u,
+                                 double *strain, ph_cg_report *report, ph_error *err);
 PH_SOLVER_FUNCTIONS(fft_cg_single);
 PH_SOLVER_FUNCTIONS(direct);
 PH_SOLVER_FUNCTIONS(relaxation);

@@ -12,6 +12,7 @@ static const ph_solver_method fft_cg_single = {
     false,
     FUNCTIONS(fft_cg_single),
     NULL,
+    NULL,
     NULL};
 
 const ph_solver_method ph_solvers[] = {
@@ -20,17 +21,20 @@ const ph_solver_method ph_solvers[] = {
      false,
      FUNCTIONS(fft_cg),
      NULL,
+     ph_i_fft_cg_solve_free,
      &fft_cg_single},
     {{"direct", "assembled matrix, Cholesky factors (CHOLMOD), one for all loads",
       "Chen2008 Davis1999", "small grids, families cut at the faces"},
      true,
      FUNCTIONS(direct),
      ph_i_direct_broke,
+     NULL,
      NULL},
     {{"relaxation", "adaptive dynamic relaxation: the steady state of a damped motion",
       "Underwood1983 Kilic2010", "to compare with; thousands of steps"},
      true,
      FUNCTIONS(relaxation),
+     NULL,
      NULL,
      NULL},
 };
@@ -119,6 +123,7 @@ static const char *no_gain(const ph_solver_params *p, const ph_system *system)
     if (p->energy > 0.0) return "the energy that is left is bounded in doubles alone";
     if (!(p->tolerance >= PH_SINGLE_LIMIT))
         return "below a tolerance of 1e-5 floats are refined, which gains little";
+    if (system->few) return "a mean stress is fewer loads, and has no floats";
     if (cells_of(system) < worthwhile_cells)
         return "floats are not faster on fewer than 32768 cells";
     if (system->map->spread > most_spread)

@@ -229,17 +229,18 @@ static void test_given_settings_stay(void **state)
 static void test_tolerance_falls(void **state)
 {
     (void)state;
-    /* stiff and slanted, in a frame: at 5e-2 the columns are too far from symmetric */
+    /* stiff and slanted, in a frame: at the first tolerance the columns are 0.011 to 0.014 from
+     * symmetric, as the iterates round; admissible is 0.005 */
     static const char slanted[] = HEAD
         "  inclusions:\n"
         "    - {shape: ellipse, centre: [0.4, 0.9], semi_axes: [0.48, 0.1], angle: 30,"
         " material: f}\n"
         "    - {shape: disk, centre: [0.5, 0.3], radius: 0.3, material: f}\n"
         "constraint: {kind: linear_displacement}\n"
-        "accuracy: {relative: 0.05}\n";
+        "accuracy: {relative: 0.02}\n";
     ph_case *c = read_case(slanted, "materials.f.E=700");
     ph_fidelity *f = solve(c, 1, PH_OK);
-    CHECK(f && f->result->asymmetry <= 0.25 * 0.05);
+    CHECK(f && f->result->asymmetry <= 0.25 * 0.02);
     CHECK(f && f->tolerance < f->plan.tolerance && f->plan.energy == 0);
     ph_fidelity_free(&f);
     ph_case_free(&c);

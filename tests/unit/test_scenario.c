@@ -77,7 +77,8 @@ static void test_the_same_bits(void **state)
         e = evaluate(c, (uint64_t)k, q, n, k + 1);
         CHECK(memcmp(e.value, first[k].value, sizeof(double) * 3) == 0);
         CHECK(e.work.iterations == first[k].work.iterations && e.work.iterations > 0);
-        CHECK(e.work.loads == 3 && e.nodes == 1024 && e.work.peak_bytes > 0 && e.n == 3);
+        /* two mean stresses instead of three strains */
+        CHECK(e.work.loads == 2 && e.nodes == 1024 && e.work.peak_bytes > 0 && e.n == 3);
     }
     CHECK(first[0].value[0] != first[1].value[0]);
     /* the realisation of the case is replaced, nothing else: run gives the same number */
@@ -90,7 +91,9 @@ static void test_the_same_bits(void **state)
                           .interface = third->interface,
                           .model = third->model,
                           .constraint = third->constraint,
-                          .solver = third->solver};
+                          .solver = third->solver,
+                          .nconstants = 2,
+                          .constants = q};
     CHECK_OK(ph_homogenise(&p, NULL, &r, &err));
     double E1 = 0;
     CHECK_OK(ph_quantity_value(&q[0], r, &E1, &err));
@@ -128,7 +131,7 @@ static void test_only_the_loads_needed(void **state)
     find_all((const char *const[]){"C11", "fraction.f", "E1"}, 3, q);
     ph_evaluation one = evaluate(c, 0, q, 1, 1), none = evaluate(c, 0, q + 1, 1, 1);
     ph_evaluation all = evaluate(c, 0, q, 3, 1);
-    CHECK(one.work.loads == 1 && none.work.loads == 0 && all.work.loads == 3);
+    CHECK(one.work.loads == 1 && none.work.loads == 0 && all.work.loads == 2);
     CHECK(none.work.iterations == 0 && none.value[0] == all.value[1]);
     /* the solver's tolerance is 1e-6 on the residual; the stress average is off by no more
      * than that times the contrast of 50 */

@@ -86,7 +86,8 @@ typedef struct ph_error_bar { int count; ph_error_constant constant[40]; char wh
 typedef struct { int load; double macro_strain[6]; int nu, ns; double *displacement, *strain, *stress; ...; } ph_fields;
 typedef struct { long loads, iterations, applications, ffts; ptrdiff_t collar; size_t history_variables, bond_bits,
                  peak_bytes; } ph_work;
-typedef struct { ph_grid grid; ph_sym4 stiffness; unsigned loads; ph_sym4 voigt, reuss; bool reuss_is_zero;
+typedef struct { ph_grid grid; ph_sym4 stiffness; unsigned loads; ph_sym4 compliance; unsigned stresses;
+                 ph_sym4 voigt, reuss; bool reuss_is_zero;
                  int nmaterials; char (*names)[64]; double *fractions; const char *model, *constraint, *solver,
                  *precision, *route;
                  double horizon; int nloads; int iterations[6]; double residual[6]; bool converged; double hill_mandel,

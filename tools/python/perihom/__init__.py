@@ -385,7 +385,11 @@ class Result:
 
     @property
     def compliance(self) -> np.ndarray:
-        """Inverse of the stiffness, Voigt."""
+        """Inverse of the stiffness, Voigt; of constants that took a mean stress each, its columns, others NaN."""
+        if self._c.stresses:
+            S = _voigt(self._c.compliance, False)
+            S[:, [not self._c.stresses >> a & 1 for a in range(len(S))]] = np.nan
+            return S
         self._need_all_loads()
         inverse, err = ffi.new("ph_sym4 *"), ffi.new("ph_error *")
         _check(lib.ph_sym4_inverse(ffi.new("ph_sym4 *", self._c.stiffness), inverse, err), err)
