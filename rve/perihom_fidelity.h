@@ -80,10 +80,11 @@ PH_API ph_status ph_fidelity_plan_case(const ph_case *c, ph_fidelity_plan *out,
  *
  *  A grid by the plan and one of about half its nodes; r the ratio of their nodes,
  *
- *      d = (C(n) - C(n/r)) / (r^1.7 - 1),   offered C(n) + d,   error k |d|^(1-w) e(n)^w
+ *      d = (C(n) - C(n/r)) / (r^1.7 - 1),   offered C(n) + d,   error x (1 + 10 x)
  *
- *  with k = 1.6, w = 0.2 in 2D, k = 0.9, w = 0 in 3D and e(n) the error that the plan expects. Where the estimate is larger than asked for, the
- *  next grid is the one that is expected to be fine enough; the grid before is its companion.
+ *  with x = k |d|^(1-w) e(n)^w, e(n) the error that the plan expects, k = 1.8 and w = 0.3 in 2D,
+ *  k = 0.9 and w = 0 in 3D. Where the estimate is larger than asked for, the next grid is the
+ *  one that is expected to be fine enough; the grid before is its companion.
  *  The solver stops where a tenth of the accuracy is left of the energy; where that has no
  *  bound, its tolerance falls until the columns of the tensor are symmetric enough.
  *  Settings that the case gives are kept.

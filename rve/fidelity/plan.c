@@ -1,20 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which settings to begin with, from what the case is. */
 #include "fidelity/fidelity.h"
+#include "slope.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
-/* Error of a grid over ln(Voigt / Reuss) boundary / n: docs/accuracy-costs.md. */
-static const double slope_2d = 0.065, slope_3d = 0.13;
-static const double node_centre = 2.4; /* error of node centres over that of cut cells */
 /* Up to here errors fall faster than the law: slope / n sqrt(few / n). */
 static const double few = 8;
 /* The first grid is expected to be off by so many accuracies; what is offered is better. */
 static const double first_2d = 1 / 1.2, first_3d = 1 / 0.6;
-static const double for_solver = 0.1;  /* of the accuracy, in energy */
-static const double most_spread = 6.9; /* ln 1000: voids have no Reuss bound */
+static const double for_solver = 0.1; /* of the accuracy, in energy */
 static const double high_contrast = 1e3;
 enum { FEWEST = 6, FEWEST_CRACKED = 24, MOST = 65536 };
 
@@ -72,38 +69,9 @@ out:
     return st;
 }
 
-/* Cells with a neighbour of another phase, or cut: share of all, times n. */
-static double boundary_of(const ph_microstructure *m)
-{
-    const ph_grid *g = &m->grid;
-    double cells = (double)ph_grid_cells(g), n = (double)ph_i_fidelity_longest(g->n);
-    ptrdiff_t cut = 0, faces = 0, last = -1;
-    for (ptrdiff_t k = 0; k < m->ncuts; k++) {
-        cut += m->cuts[k].cell != last;
-        last = m->cuts[k].cell;
-    }
-    for (ptrdiff_t i = 0; i < g->n[0]; i++)
-        for (ptrdiff_t j = 0; j < g->n[1]; j++)
-            for (ptrdiff_t k = 0; k < g->n[2]; k++) {
-                const ptrdiff_t at[3] = {i, j, k};
-                for (int a = 0; a < 3; a++) {
-                    ptrdiff_t to[3] = {i, j, k};
-                    to[a] = (at[a] + 1) % g->n[a];
-                    faces += m->phase[(i * g->n[1] + j) * g->n[2] + k] !=
-                             m->phase[(to[0] * g->n[1] + to[1]) * g->n[2] + to[2]];
-                }
-            }
-    return (double)(cut > faces ? cut : faces) / cells * n;
-}
-
-static double log_ratio(double upper, double lower)
-{
-    return upper > 0 && lower > 0 ? fmin(log(upper / lower), most_spread) : most_spread;
-}
-
-/* ln(Voigt / Reuss) of the worst modulus, and the contrast. */
-static ph_status find_spread(const ph_case *c, const ph_microstructure *micro,
-                             ph_fidelity_plan *p, ph_error *err)
+/* What the law of the microstructure makes of its bounds; bytes and seconds. */
+static ph_status find_law(const ph_case *c, const ph_microstructure *micro,
+                          ph_fidelity_plan *p, ph_error *err)
 {
     ph_status st = PH_OK;
     ph_result *bounds = NULL;
@@ -118,11 +86,10 @@ static ph_status find_spread(const ph_case *c, const ph_microstructure *micro,
     PH_TRY(ph_homogenise_estimate(&problem, &e, err));
     p->bytes_a_node = (double)e.bytes / (double)e.nodes;
     p->seconds_a_node = e.seconds / (double)e.nodes;
-    p->spread = 0;
-    for (int i = 0; i < bounds->stiffness.n; i++) {
-        double low = bounds->reuss_is_zero ? 0 : bounds->reuss.m[i][i];
-        p->spread = fmax(p->spread, log_ratio(bounds->voigt.m[i][i], low));
-    }
+    const ph_i_slope law = ph_i_slope_of(micro, c->interface, bounds);
+    p->spread = law.spread;
+    p->boundary = law.boundary;
+    p->slope = law.slope;
 out:
     ph_result_free(&bounds);
     return st;
@@ -221,10 +188,7 @@ ph_status ph_fidelity_plan_case(const ph_case *c, ph_fidelity_plan *out, ph_erro
              "the case asks for no accuracy");
     PH_TRY(find_constants(c, &p, err));
     PH_TRY(ph_rve_build(c, &micro, err));
-    PH_TRY(find_spread(c, micro, &p, err));
-    p.boundary = boundary_of(micro);
-    p.slope = (ph_i_fidelity_axes(c) == 3 ? slope_3d : slope_2d) * p.spread * p.boundary;
-    if (c->interface == PH_INTERFACE_NODE_CENTRE) p.slope *= node_centre;
+    PH_TRY(find_law(c, micro, &p, err));
     choose_grid(c, &p);
     choose_rest(c, &p);
     *out = p;

@@ -15,7 +15,9 @@ static const double order = 1.7; /* of what is taken away */
 typedef struct estimate {
     double k, w, q;
 } estimate;
-static const estimate in_plane = {1.6, 0.2, 1.3}, in_space = {0.9, 0.0, 1.7};
+static const estimate in_plane = {1.8, 0.3, 1.3}, in_space = {0.9, 0.0, 1.7};
+static const double coarse_grids =
+    10; /* laws of small errors say too little of large ones */
 static const double least_step = 1.15; /* nodes of the next grid over those of this */
 static const double most_step = 2;
 static const double more_bytes = 1.1;
@@ -214,6 +216,7 @@ static double judge(search *s, ph_sym4 *offered, bool *improved)
         double moved = distance(s, &fine->stiffness, offered);
         error = by->k * moved;
         if (expected > 0) error = by->k * pow(moved, 1 - by->w) * pow(expected, by->w);
+        error *= 1 + coarse_grids * error;
     } else
         *offered = fine->stiffness;
     s->left = raw > 0 ? error / raw : 1;
