@@ -300,6 +300,23 @@ out:
     return st;
 }
 
+/* A mean stress along an axis gives its modulus and Poisson ratios, a shear stress its own. */
+static ph_engineering engineering_of_columns(const ph_result *r)
+{
+    const ph_sym4 *s = &r->compliance;
+    const int axes = s->n == 3 ? 2 : 3;
+    ph_engineering e = no_engineering();
+    double *const shear[3] = {&e.G23, &e.G13, &e.G12};
+    for (int i = 0; i < s->n; i++) {
+        if (!(r->stresses >> i & 1u) || !(s->m[i][i] > 0.0)) continue;
+        if (i >= axes) *shear[s->n == 3 ? 2 : i - 3] = 0.5 / s->m[i][i];
+        if (i < axes) e.E[i] = 1.0 / s->m[i][i];
+        for (int j = 0; i < axes && j < axes; j++)
+            if (i != j) e.nu[i][j] = -s->m[j][i] / s->m[i][i];
+    }
+    return e;
+}
+
 /* Compliance, constants and nearest isotropic tensor need every load case; the first two
  * also a stiffness that has an inverse. */
 static ph_status put_derived(draft_document *d, json_t *effective, const char *missing,
@@ -321,7 +338,8 @@ static ph_status put_derived(draft_document *d, json_t *effective, const char *m
     } else {
         snprintf(why, sizeof why, "load cases %s were not solved", missing);
     }
-    if (!ok) e = no_engineering();
+    if (!ok)
+        e = d->result->stresses ? engineering_of_columns(d->result) : no_engineering();
     if (ok) {
         PH_TRY(put_matrix(d, effective, "effective.compliance", "compliance", &inverse,
                           false, err));

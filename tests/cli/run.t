@@ -211,3 +211,11 @@ $ perihom list precisions | grep -v ' valid:\| ref:'
 > double * 53 bits
 > single * 24 bits, *
 > auto * single where *
+
+# One constant is one load; what its mean stress and the symmetry of the cell say beside is there, the rest is null.
+$ perihom run small.yaml --set 'output={constants: [E1]}' --json -q -o one > one.json; test "$(json_get effective.engineering.E1 < one.json)" = "$(json_get effective.constants.E1 < one.json)" && echo same; json_get cost.loads < one.json; json_get effective.engineering.nu12 < one.json; json_get effective.engineering.E2 < one.json; json_get effective.engineering.G12 < one.json
+> same
+> 1
+> 0.*
+> *
+> null
