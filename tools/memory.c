@@ -39,9 +39,7 @@ ph_status memory_check_cells(const ph_case *c, bool solves, ph_error *err)
         cells *= c->nodes[d] > 0 ? (double)c->nodes[d] : 1.0;
     /* Conjugate gradients hold four vectors, in two directions at least. */
     const char *precision = c->solver.precision ? c->solver.precision : "double";
-    if (solves)
-        each += 4.0 * 2.0 *
-                (strcmp(precision, "double") == 0 ? sizeof(double) : sizeof(float));
+    if (solves) each += 4.0 * 2.0 * (strcmp(precision, "double") == 0 ? 8.0 : 4.0);
     return refuse_above(cells * each, "at least", err);
 }
 

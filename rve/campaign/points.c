@@ -179,7 +179,8 @@ static void check_size(ph_i_reader *r, const ph_i_node *root, const ph_campaign 
                                        "microstructure.drawn_on"};
     const ph_case *one = c->point[point].c, *first = c->point[0].c;
     const ph_i_node *node = ph_i_get(root, "size");
-    bool one_box = first && memcmp(one->size, first->size, sizeof one->size) == 0 &&
+    bool one_box = first && one->size[0] == first->size[0] &&
+                   one->size[1] == first->size[1] && one->size[2] == first->size[2] &&
                    memcmp(one->nodes, first->nodes, sizeof one->nodes) == 0 &&
                    memcmp(one->drawn_on, first->drawn_on, sizeof one->nodes) == 0 &&
                    one->kinematics == first->kinematics;

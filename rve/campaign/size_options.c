@@ -196,7 +196,7 @@ static double seconds_of_one(const char *folder, int npoints)
     double sum = 0;
     snprintf(path, sizeof path, "%s/costs.csv", folder);
     FILE *file = fopen(path, "r");
-    double *each = calloc(2 * (size_t)npoints, sizeof *each);
+    double *each = calloc(2 * (size_t)npoints + 1, sizeof *each);
     while (file && each && fgets(line, sizeof line, file)) {
         char *end;
         long p = strtol(line, &end, 10);
