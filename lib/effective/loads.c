@@ -293,26 +293,12 @@ out:
     return st;
 }
 
-/* The softest phase in the metric of the reference medium, which a laminate is not below: the
- * least eigenvalue of the preconditioned operator is not, either. 0: there is no bound. */
+/* Bound of the eigenvalues of the preconditioned operator; 0: none is known. */
 static double least_eigenvalue(const ph_run *r)
 {
-    const ph_stiffness_map *map = r->map;
-    const int ns = map->ns;
-    double least = 1.0;
-    if (map->has_void || r->broken || r->classes || r->setting.source ||
-        r->setting.fixed || r->constraint->by_stress)
-        return 0.0;
-    for (int p = 0; p < map->materials; p++) {
-        ph_sym4 c = {.n = ns};
-        double low, high;
-        for (int i = 0; i < ns * ns; i++)
-            c.m[i / ns][i % ns] = map->c[(ptrdiff_t)p * ns * ns + i];
-        if (!map->used[p]) continue;
-        ph_i_visco_relative(&c, &map->middle, &low, &high);
-        least = fmin(least, low);
-    }
-    return fmax(0.0, least * (1.0 - 1e-9));
+    bool bounded = !r->broken && !r->classes && !r->setting.source && !r->setting.fixed &&
+                   !r->constraint->by_stress;
+    return bounded ? ph_i_visco_least(r->map) : 0.0;
 }
 
 /* Energy of uniform strain, at u = 0; below that of Voigt, for cut cells are layers. */

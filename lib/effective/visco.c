@@ -49,13 +49,27 @@ void ph_i_visco_relative(const ph_sym4 *a, const ph_sym4 *b, double *low, double
     ph_sym4_eigenvalues(&c, low, high);
 }
 
+double ph_i_visco_least(const ph_stiffness_map *map)
+{
+    const int ns = map->ns;
+    double least = 1.0, low, high;
+    if (map->has_void) return 0.0;
+    for (int p = 0; p < map->materials; p++) {
+        ph_sym4 c = {.n = ns};
+        if (!map->used[p]) continue;
+        for (int i = 0; i < ns * ns; i++)
+            c.m[i / ns][i % ns] = map->c[(ptrdiff_t)p * ns * ns + i];
+        ph_i_visco_relative(&c, &map->middle, &low, &high);
+        least = fmin(least, low);
+    }
+    return fmax(0.0, least * (1.0 - 1e-9));
+}
+
 /* Lower bound of the eigenvalues of the operator in the metric of its preconditioner: of
- * bonds the smallest modulus over that of ph_i_operator_symbol, of every phase in the metric of the reference medium, the term of (S) being the same in both.
- * A laminate is at least as stiff as the softer of its phases. */
+ * bonds the smallest modulus over that of ph_i_operator_symbol, else that of the phases. */
 static double least_eigenvalue(const ph_visco *v)
 {
     const ph_stiffness_map *map = v->run.map;
-    double least = 1.0, low, high;
     /* Held nodes: the preconditioner lacks the mean, which is no rigid motion there. */
     if (v->run.setting.fixed || v->run.constraint->by_stress) return 0.0;
     if (strcmp(v->run.solver->info.name, "fft_cg") != 0) return 0.0;
@@ -63,13 +77,7 @@ static double least_eigenvalue(const ph_visco *v)
     if (v->run.op->springs)
         return fmin(1.0, ph_i_bond_functions_least(&v->bonds, v->run.classes) /
                              map->middle.m[0][0]);
-    if (map->has_void) return 0.0;
-    for (int p = 0; p < map->materials; p++) {
-        if (!map->used[p]) continue;
-        ph_i_visco_relative(&v->phase[p], &map->middle, &low, &high);
-        least = fmin(least, low);
-    }
-    return fmax(0.0, least * (1.0 - 1e-9));
+    return ph_i_visco_least(map);
 }
 
 double ph_i_visco_factor(const ph_visco *v, double s)

@@ -98,6 +98,9 @@ ph_status ph_i_visco_visit(ph_visco *v, double s, double share, double enough,
 
 /** Eigenvalues of a in the metric of b (positive definite). */
 void ph_i_visco_relative(const ph_sym4 *a, const ph_sym4 *b, double *low, double *high);
+/** The softest phase in the metric of the reference medium. A laminate is not below it, and
+ *  (S) is the same in both: neither is the preconditioned operator. 0: a void, no bound. */
+double ph_i_visco_least(const ph_stiffness_map *map);
 
 /* ---- visco_path.c -------------------------------------------------------------------------- */
 

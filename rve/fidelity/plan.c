@@ -171,11 +171,11 @@ static void choose_rest(const ph_case *c, ph_fidelity_plan *p)
         ph_i_fidelity_say(p, "precision auto: single where it was measured to take less "
                              "time and memory; the result says which");
     if (!(c->accuracy.given & (PH_SETTING_POINTS | PH_SETTING_MODEL)))
-        ph_i_fidelity_say(p,
-                          "stress points: the error of nodes, half of finite elements'");
+        ph_i_fidelity_say(
+            p, "stress points: the error of nodes, half of finite elements' or less");
     if (!(c->accuracy.given & PH_SETTING_INTERFACE))
-        ph_i_fidelity_say(p,
-                          "composite interface: 2.4 times less error than node centres");
+        ph_i_fidelity_say(
+            p, "composite interface: half of the error of node centres or less");
 }
 
 ph_status ph_fidelity_plan_case(const ph_case *c, ph_fidelity_plan *out, ph_error *err)
