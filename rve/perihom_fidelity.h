@@ -50,6 +50,7 @@ typedef struct ph_fidelity {
     ph_fidelity_step step[PH_FIDELITY_STEPS];
     bool reached;
     double error;       /* estimated, of the result, worst constant */
+    double grid_error;  /* the same of the finest grid as it is, not extrapolated */
     ptrdiff_t nodes[3]; /* of the result */
     double tolerance;
     bool improved;                   /* its stiffness is extrapolated */

@@ -11,6 +11,8 @@ const char ph_i_grid_words[] =
     "not known: leave them out (ph_campaign_settle), or ask for relative_half_width, of "
     "the mean on this grid";
 static const double least_left = 0.2; /* of the error, for the interval */
+/* First try: error of what is offered over that of the grid; halved until the grid is enough. */
+static const double extrapolated = 0.8;
 
 static bool any_open(const ph_campaign *c)
 {
@@ -70,7 +72,7 @@ static ph_status find_grid(const ph_campaign *c, double wanted, const ph_ctx *ct
     for (int p = 0; p < c->npoints; p++) {
         PH_TRY(pilot(c, p, wanted, ctx, &f, err));
         double n = (double)ph_i_fidelity_longest(f->nodes);
-        slope = fmax(slope, (f->improved ? f->error / PH_I_ESTIMATED : f->error) * n);
+        slope = fmax(slope, f->grid_error * n);
         if (n > finest) memcpy(s->nodes, f->nodes, sizeof s->nodes);
         finest = fmax(finest, n);
         s->pilots++;
@@ -144,8 +146,8 @@ ph_status ph_campaign_settle(ph_campaign **c, const char *const *sets, size_t ns
     PH_TRY(check(*c, err));
     int axes = ph_i_fidelity_axes((*c)->point[0].c);
     double share = s.accuracy * axes / (axes + 2);
-    /* The estimate is that of the extrapolated value; a realisation has its whole error. */
-    double wanted = PH_I_ESTIMATED * share;
+    /* What a pilot offers is extrapolated; a realisation has the whole error of its grid. */
+    double wanted = extrapolated * share;
     do {
         s.pilots = 0;
         PH_TRY(find_grid(*c, wanted, ctx, &s, err));

@@ -7,9 +7,6 @@
 
 #include <perihom_fidelity.h>
 
-/* Error of a mean with half of its first-order step taken away over that step, in campaigns. */
-#define PH_I_ESTIMATED 0.8
-
 /** Error expected on n nodes along the longest axis, by the plan. */
 double ph_i_fidelity_expected(const ph_fidelity_plan *plan, double n);
 /* ---- plan.c */

@@ -217,8 +217,11 @@ static double judge(search *s, ph_sym4 *offered, bool *improved)
         error = by->k * moved;
         if (expected > 0) error = by->k * pow(moved, 1 - by->w) * pow(expected, by->w);
         error *= 1 + coarse_grids * error;
-    } else
+        s->f->grid_error = moved + error;
+    } else {
         *offered = fine->stiffness;
+        s->f->grid_error = error;
+    }
     s->left = raw > 0 ? error / raw : 1;
     return error;
 }
@@ -313,7 +316,7 @@ static void offer(search *s)
 {
     ph_fidelity *f = s->f;
     ph_sym4 offered = s->fine.stiffness;
-    f->error = NAN;
+    f->error = f->grid_error = NAN;
     f->improved = false;
     if (s->coarse.n) f->error = judge(s, &offered, &f->improved);
     s->fine.result->stiffness = offered;

@@ -82,9 +82,8 @@ static void test_split(void **state)
         CHECK(memcmp(one->nodes, s.nodes, sizeof s.nodes) == 0 && one->nodes[0] >= 16);
         char nodes[64];
         snprintf(nodes, sizeof nodes, "[%td, %td]", s.nodes[0], s.nodes[1]);
-        /* the pilot itself, against a grid four times as fine or more; the estimate is of a
-         * mean over pilots, and one of them may be twice as far off */
-        CHECK_REL(value(one, nodes), value(one, "[160, 160]"), 2 * s.grid);
+        /* the pilot itself, against a grid four times as fine or more */
+        CHECK_REL(value(one, nodes), value(one, "[160, 160]"), s.grid);
     }
     /* nothing is open any more: again it does nothing */
     ph_campaign *same = c;
